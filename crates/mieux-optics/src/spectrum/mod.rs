@@ -12,6 +12,11 @@ pub use observer::{ColourMatching, cie1931, d65, stiles_burch1959};
 pub use sampled::Sampled;
 pub(crate) use table::embedded_table;
 
+/// A wavelength in nanometres as people write it: twelve significant digits at most, so that a round number stays round.
+pub(crate) fn nanometres(wavelength_m: f64) -> f64 {
+    format!("{:.11e}", wavelength_m * 1e9).parse().unwrap_or(f64::NAN)
+}
+
 /// What can be wrong with a grid or a sampled spectrum.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SpectrumError {
@@ -26,9 +31,9 @@ pub enum SpectrumError {
     },
     /// Wavelengths must rise strictly.
     #[error(
-        "wavelengths must increase, but {:.6} nm follows {:.6} nm",
-        after_m * 1e9,
-        before_m * 1e9
+        "wavelengths must increase, but {} nm follows {} nm",
+        nanometres(*after_m),
+        nanometres(*before_m)
     )]
     NotIncreasing {
         /// The earlier wavelength, m.
@@ -37,7 +42,7 @@ pub enum SpectrumError {
         after_m: f64,
     },
     /// A value is not finite.
-    #[error("the value {value} at {:.6} nm is not finite", wavelength_m * 1e9)]
+    #[error("the value {value} at {} nm is not finite", nanometres(*wavelength_m))]
     Value {
         /// Where, m.
         wavelength_m: f64,
@@ -54,10 +59,10 @@ pub enum SpectrumError {
     },
     /// A regular grid with a step that is not positive, or with more than [`WavelengthGrid::MAX_LEN`] points.
     #[error(
-        "no grid runs from {:.6} nm to {:.6} nm in steps of {:.6} nm",
-        start_m * 1e9,
-        stop_m * 1e9,
-        step_m * 1e9
+        "no grid runs from {} nm to {} nm in steps of {} nm",
+        nanometres(*start_m),
+        nanometres(*stop_m),
+        nanometres(*step_m)
     )]
     Regular {
         /// First wavelength, m.
