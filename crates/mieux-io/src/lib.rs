@@ -1,1 +1,10 @@
-//! In preparation.
+//! Every byte in or out of `mieux`: quantities as people type them, images, tables, plots, files.
+//!
+//! Nothing here prints, exits or reads the environment. Untrusted text and files end in typed errors that carry the
+//! offending value and say what would do; every file is written under another name and renamed when it is whole.
+
+pub mod image;
+pub mod output;
+pub mod plot;
+pub mod quantity;
+pub mod table;
