@@ -7,4 +7,8 @@ pub mod image;
 pub mod output;
 pub mod plot;
 pub mod quantity;
+pub mod recipe;
 pub mod table;
+mod text_error;
+
+pub use text_error::{TextError, nearest_names};

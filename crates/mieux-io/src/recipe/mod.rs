@@ -1,0 +1,302 @@
+//! Recipes: what a material is made of, as TOML. The built-in materials are such files.
+
+mod builtin;
+mod schema;
+mod sizes;
+
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use mieux_optics::material::milk::Milk;
+use mieux_optics::material::{Input, MaterialError};
+use mieux_optics::medium::Medium;
+
+use crate::text_error::{TextError, did_you_mean, nearest_names};
+
+pub use builtin::MATERIALS;
+
+/// Largest recipe or scene file read, bytes.
+pub const MAX_TEXT: u64 = 1 << 20;
+
+/// Why there is no material.
+#[derive(Debug, thiserror::Error)]
+pub enum RecipeError {
+    /// No built-in material of that name.
+    #[error("there is no material called `{name}`")]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// What to do instead.
+        help: String,
+    },
+    /// A recipe file that cannot be read.
+    #[error("the recipe `{}` cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A recipe that says something impossible, with the place.
+    #[error(transparent)]
+    Text(#[from] Box<TextError>),
+    /// A setting that is not `name=number`.
+    #[error("`{text}` is not a setting; write `name=number`, as in `fat=1.5`")]
+    Setting {
+        /// What was typed.
+        text: String,
+    },
+    /// A setting of an input that the material does not have.
+    #[error("{material} has no input `{input}`")]
+    NoSuchInput {
+        /// Name of the material.
+        material: String,
+        /// The input asked for.
+        input: String,
+        /// What to do instead.
+        help: String,
+    },
+    /// Inputs that make no material.
+    #[error("{material}: {source}")]
+    Material {
+        /// Name of the material.
+        material: String,
+        /// What is wrong.
+        source: MaterialError,
+    },
+}
+
+/// A recipe as read: a model with its inputs, or a mixture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recipe {
+    name: String,
+    title: String,
+    about: String,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Kind {
+    /// The milk model with these inputs, in the order of [`Milk::INPUTS`].
+    Milk([f64; 4]),
+    Mixture(Medium),
+}
+
+/// A material ready to be computed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Name, as asked for: `whole-milk`, or the stem of the recipe's file name.
+    pub name: String,
+    /// What to call it in a heading.
+    pub title: String,
+    /// The inputs and their values; none for a mixture.
+    pub inputs: Vec<(Input, f64)>,
+    /// What it is made of.
+    pub medium: Medium,
+}
+
+impl Recipe {
+    /// The built-in material of that name, or the recipe in the file of that path (anything that ends in `.toml` or has
+    /// a folder in it).
+    ///
+    /// # Errors
+    /// [`RecipeError`]: unknown (with the nearest names), unreadable, or wrong (with the place).
+    pub fn find(name_or_path: &str) -> Result<Self, RecipeError> {
+        if let Some((name, text)) = MATERIALS.iter().find(|(name, _)| *name == name_or_path) {
+            return Self::parse(name, name, text);
+        }
+        let path = Path::new(name_or_path);
+        if path.extension().is_some_and(|e| e == "toml") || path.components().count() > 1 {
+            let text = read_text(path)?;
+            let stem = path.file_stem().map_or_else(|| name_or_path.into(), |s| s.to_string_lossy().into_owned());
+            return Self::parse(&stem, name_or_path, &text);
+        }
+        let nearest = nearest_names(name_or_path, MATERIALS.iter().map(|(name, _)| *name));
+        let help = format!(
+            "{}{}`mieux materials` lists them all; a recipe of your own is named by its file, as in `my.toml`",
+            did_you_mean(&nearest),
+            if nearest.is_empty() { "" } else { " " }
+        );
+        Err(RecipeError::Unknown { name: name_or_path.into(), help })
+    }
+
+    /// Reads a recipe from its text. `file` names it in errors.
+    ///
+    /// # Errors
+    /// [`RecipeError::Text`].
+    pub fn parse(name: &str, file: &str, text: &str) -> Result<Self, RecipeError> {
+        Ok(schema::read(name, file, text).map_err(Box::new)?)
+    }
+
+    /// Name, as asked for.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What to call it in a heading.
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// What it is, in a sentence.
+    pub fn about(&self) -> &str {
+        &self.about
+    }
+
+    /// The inputs, with the values the recipe gives them; none for a mixture.
+    pub fn inputs(&self) -> Vec<(Input, f64)> {
+        match &self.kind {
+            Kind::Milk(values) => Milk::INPUTS.into_iter().zip(*values).collect(),
+            Kind::Mixture(_) => Vec::new(),
+        }
+    }
+
+    /// The material with some inputs set to other values.
+    ///
+    /// # Errors
+    /// [`RecipeError::NoSuchInput`] or [`RecipeError::Material`].
+    pub fn material(&self, settings: &BTreeMap<String, f64>) -> Result<Material, RecipeError> {
+        let mut inputs = self.inputs();
+        for (name, &value) in settings {
+            match inputs.iter_mut().find(|(input, _)| input.name == name) {
+                Some((_, slot)) => *slot = value,
+                None => return Err(self.no_such_input(name, &inputs)),
+            }
+        }
+        let medium = match &self.kind {
+            Kind::Mixture(medium) => medium.clone(),
+            Kind::Milk(_) => Milk::new(std::array::from_fn(|i| inputs[i].1))
+                .and_then(|milk| milk.medium())
+                .map_err(|source| RecipeError::Material { material: self.name.clone(), source })?,
+        };
+        Ok(Material { name: self.name.clone(), title: self.title.clone(), inputs, medium })
+    }
+
+    fn no_such_input(&self, name: &str, inputs: &[(Input, f64)]) -> RecipeError {
+        let names: Vec<&str> = inputs.iter().map(|(input, _)| input.name).collect();
+        let help = if names.is_empty() {
+            "its recipe is a fixed mixture; to change it, write a recipe file of your own".to_string()
+        } else {
+            format!("it has {}", names.join(", "))
+        };
+        RecipeError::NoSuchInput { material: self.name.clone(), input: name.into(), help }
+    }
+}
+
+/// Parses a setting "name=number".
+///
+/// # Errors
+/// [`RecipeError::Setting`].
+pub fn parse_setting(text: &str) -> Result<(String, f64), RecipeError> {
+    let error = || RecipeError::Setting { text: text.into() };
+    let (name, value) = text.split_once('=').ok_or_else(error)?;
+    let value: f64 = value.trim().parse().map_err(|_| error())?;
+    if name.trim().is_empty() || !value.is_finite() {
+        return Err(error());
+    }
+    Ok((name.trim().into(), value))
+}
+
+fn read_text(path: &Path) -> Result<String, RecipeError> {
+    let error = |source| RecipeError::Read { path: path.into(), source };
+    let mut text = String::new();
+    let file = std::fs::File::open(path).map_err(error)?;
+    file.take(MAX_TEXT + 1).read_to_string(&mut text).map_err(error)?;
+    if text.len() as u64 > MAX_TEXT {
+        return Err(error(std::io::Error::other("it is larger than 1 MiB, which no recipe is")));
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(text: &str) -> String {
+        Recipe::parse("my", "my.toml", text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn every_built_in_material_reads_and_computes() {
+        let grid = mieux_optics::spectrum::WavelengthGrid::frisvad2007();
+        for (name, _) in MATERIALS {
+            let recipe = Recipe::find(name).unwrap();
+            assert!(!recipe.title().is_empty() && !recipe.about().is_empty(), "{name}");
+            recipe.material(&BTreeMap::new()).unwrap().medium.bulk_optics(&grid, 1e-3).unwrap();
+        }
+        assert!(MATERIALS.is_sorted());
+    }
+
+    #[test]
+    fn settings_change_inputs() {
+        let recipe = Recipe::find("whole-milk").unwrap();
+        let set = |name: &str, value| recipe.material(&BTreeMap::from([(name.to_string(), value)]));
+        assert_eq!(set("fat", 1.5).unwrap().inputs[0].1, 1.5);
+        assert!(matches!(set("fat", -1.0), Err(RecipeError::Material { .. })));
+        assert!(matches!(set("fat", 101.0), Err(RecipeError::Material { .. })));
+        assert!(matches!(set("fats", 1.0), Err(RecipeError::NoSuchInput { .. })));
+        assert_eq!(parse_setting(" fat = 1.5").unwrap(), ("fat".into(), 1.5));
+        for text in ["fat", "fat=abc", "=1", "fat=", "fat=inf"] {
+            assert!(parse_setting(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_name_offers_the_nearest() {
+        let RecipeError::Unknown { help, .. } = Recipe::find("whle-milk").unwrap_err() else { panic!() };
+        assert!(help.starts_with("did you mean `whole-milk`"), "{help}");
+        assert!(matches!(Recipe::find("nowhere/my.toml"), Err(RecipeError::Read { .. })));
+    }
+
+    const EMULSION: &str = r#"
+title = "Emulsion"
+[host]
+substance = "water"
+[[inclusion]]
+name = "oil"
+refractive_index = "1.46+4e-6i"
+volume_fraction = 0.04
+size_distribution = { kind = "log-normal", weighting = "volume", mean = "1.2 um", deviation = "0.6um" }
+[[inclusion]]
+substance = "casein"
+volume_fraction = 0.02
+size_distribution = { kind = "monodisperse", radius = "80 nm" }
+"#;
+
+    #[test]
+    fn a_mixture_reads() {
+        let recipe = Recipe::parse("my", "my.toml", EMULSION).unwrap();
+        let material = recipe.material(&BTreeMap::new()).unwrap();
+        assert_eq!(material.medium.inclusions().len(), 2);
+        assert!(material.inputs.is_empty());
+        assert!(recipe.material(&BTreeMap::from([("fat".into(), 1.0)])).is_err());
+    }
+
+    #[test]
+    fn mistakes_are_pointed_at() {
+        let cases = [
+            (EMULSION.replace("volume_fraction = 0.04", "volume_fracton = 0.04"), 8, "unknown field `volume_fracton`"),
+            (EMULSION.replace("0.04", "-0.04"), 8, "-0.04"),
+            (EMULSION.replace("0.04", "0.99"), 5, "more than 1"),
+            (EMULSION.replace("80 nm", "-80 nm"), 13, "-80 nm"),
+            (EMULSION.replace("80 nm", "80"), 13, "no unit"),
+            (EMULSION.replace("\"casein\"", "\"caesin\""), 11, "no substance called `caesin`"),
+            (EMULSION.replace("4e-6i", "-4e-6i"), 7, ""),
+            (EMULSION.replace("\"volume\"", "\"mass\""), 9, "weighting"),
+            (EMULSION.replace("deviation = \"0.6um\"", "minimum = \"1um\""), 9, "deviation"),
+            (EMULSION.replace("\"monodisperse\", ", "\"monodisperse\", mean = \"1um\", "), 13, "`mean`"),
+            (EMULSION.replace("title =", "title"), 2, ""),
+            ("model = \"milk\"\n[inputs]\nfat = 101\n".into(), 3, "out of range"),
+            ("model = \"milk\"\n[inputs]\nfat = \"abc\"\n".into(), 3, ""),
+            ("model = \"milk\"\n[inputs]\nfta = 1\n".into(), 3, "no input `fta`"),
+            ("model = \"mlik\"\n".into(), 1, "no model called `mlik`"),
+            ("model = \"milk\"\n[host]\nsubstance = \"water\"\n".into(), 2, "model"),
+            ("title = \"nothing\"\n".into(), 1, "host"),
+        ];
+        for (text, line, part) in cases {
+            let message = message(&text);
+            assert!(message.contains(&format!("line {line},")) && message.contains(part), "{message}\n{text}");
+        }
+    }
+}
