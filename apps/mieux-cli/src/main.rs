@@ -1,1 +1,67 @@
-fn main() {}
+//! `mieux`: what a material looks like from what it is made of.
+
+mod args;
+mod failure;
+mod progress;
+mod show;
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Parser;
+use mieux::jobs::{Context, Job, JobError, Report};
+
+use args::{Cli, Command, Format};
+use failure::Failure;
+use progress::Bars;
+
+fn main() -> ExitCode {
+    match run(Cli::parse()) {
+        Ok(code) => code,
+        Err(failure) => failure.report(),
+    }
+}
+
+fn run(cli: Cli) -> Result<ExitCode, Failure> {
+    match cli.command {
+        Command::Materials => show::materials()?,
+        Command::Scenes => show::scenes()?,
+        Command::Completions { shell } => show::completions(shell),
+        Command::Optics(args) => {
+            let format = args.format;
+            if let Report::Optics(report) = run_job(&Job::Optics(args.job()?), format == Format::Table)? {
+                show::optics(&report, format)?;
+            }
+        }
+        Command::Render(args) => {
+            let again = args.resume_command();
+            if let Report::Render(report) = run_job(&Job::Render(args.job()?), true)? {
+                show::render(&report, &again);
+                if report.interrupted {
+                    return Ok(ExitCode::from(130));
+                }
+            }
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Runs a job under progress bars; the first Ctrl-C asks it to stop at the next good point, the second ends at once.
+fn run_job(job: &Job, bars: bool) -> Result<Report, JobError> {
+    let cancel = Arc::new(AtomicBool::new(false));
+    let bars = Bars::new(bars);
+    let asked = Arc::clone(&cancel);
+    let hint = bars.hint();
+    // Without a handler Ctrl-C ends the program, as it does everywhere.
+    let _ = ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::Relaxed) {
+            #[allow(clippy::exit)] // The user has asked twice.
+            std::process::exit(130);
+        }
+        hint.stopping();
+    });
+    let report = job.run(&Context { sink: &|event| bars.hear(event), cancel: &cancel });
+    bars.clear();
+    report
+}

@@ -3,11 +3,13 @@
 //! Nothing here prints, exits or reads the environment. Untrusted text and files end in typed errors that carry the
 //! offending value and say what would do; every file is written under another name and renamed when it is whole.
 
+pub mod checkpoint;
 pub mod image;
 pub mod output;
 pub mod plot;
 pub mod quantity;
 pub mod recipe;
+pub mod scene;
 pub mod table;
 mod text_error;
 

@@ -22,9 +22,11 @@ pub const MAX_TEXT: u64 = 1 << 20;
 /// Why there is no material.
 #[derive(Debug, thiserror::Error)]
 pub enum RecipeError {
-    /// No built-in material of that name.
-    #[error("there is no material called `{name}`")]
+    /// Nothing built in has that name.
+    #[error("there is no {what} called `{name}`")]
     Unknown {
+        /// `material`, or `material or scene`.
+        what: &'static str,
         /// What was asked for.
         name: String,
         /// What to do instead.
@@ -106,19 +108,11 @@ impl Recipe {
         if let Some((name, text)) = MATERIALS.iter().find(|(name, _)| *name == name_or_path) {
             return Self::parse(name, name, text);
         }
-        let path = Path::new(name_or_path);
-        if path.extension().is_some_and(|e| e == "toml") || path.components().count() > 1 {
-            let text = read_text(path)?;
-            let stem = path.file_stem().map_or_else(|| name_or_path.into(), |s| s.to_string_lossy().into_owned());
-            return Self::parse(&stem, name_or_path, &text);
-        }
-        let nearest = nearest_names(name_or_path, MATERIALS.iter().map(|(name, _)| *name));
-        let help = format!(
-            "{}{}`mieux materials` lists them all; a recipe of your own is named by its file, as in `my.toml`",
-            did_you_mean(&nearest),
-            if nearest.is_empty() { "" } else { " " }
-        );
-        Err(RecipeError::Unknown { name: name_or_path.into(), help })
+        let Some(path) = as_file(name_or_path) else {
+            let names = MATERIALS.iter().map(|(name, _)| *name);
+            return Err(unknown("material", name_or_path, names, "`mieux materials` lists them all"));
+        };
+        Self::parse(&stem(path), name_or_path, &read_text(path)?)
     }
 
     /// Reads a recipe from its text. `file` names it in errors.
@@ -198,7 +192,32 @@ pub fn parse_setting(text: &str) -> Result<(String, f64), RecipeError> {
     Ok((name.trim().into(), value))
 }
 
-fn read_text(path: &Path) -> Result<String, RecipeError> {
+/// What was named, if it names a file rather than something built in: it ends in `.toml` or has a folder in it.
+pub(crate) fn as_file(name_or_path: &str) -> Option<&Path> {
+    let path = Path::new(name_or_path);
+    let is_file = path.extension().is_some_and(|e| e == "toml") || path.components().count() > 1;
+    is_file.then_some(path)
+}
+
+/// What a file is called without its folder and ending.
+pub(crate) fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// The error for a name that is not known, with the nearest that are.
+pub(crate) fn unknown<'a>(
+    what: &'static str,
+    name: &str,
+    known: impl Iterator<Item = &'a str>,
+    where_to_look: &str,
+) -> RecipeError {
+    let nearest = nearest_names(name, known);
+    let hint = if nearest.is_empty() { String::new() } else { did_you_mean(&nearest) + " " };
+    let help = format!("{hint}{where_to_look}; a file of your own is named with its ending, as in `my.toml`");
+    RecipeError::Unknown { what, name: name.into(), help }
+}
+
+pub(crate) fn read_text(path: &Path) -> Result<String, RecipeError> {
     let error = |source| RecipeError::Read { path: path.into(), source };
     let mut text = String::new();
     let file = std::fs::File::open(path).map_err(error)?;

@@ -57,7 +57,13 @@ impl Reader<'_> {
 
     fn log_normal(&self) -> Result<SizeDistribution, TextError> {
         self.only(&[
-            "weighting", "mean", "deviation", "coefficient_of_variation", "median", "geometric_deviation", "minimum",
+            "weighting",
+            "mean",
+            "deviation",
+            "coefficient_of_variation",
+            "median",
+            "geometric_deviation",
+            "minimum",
             "maximum",
         ])?;
         let spec = self.spec.get_ref();

@@ -6,10 +6,25 @@ use super::{Inclusion, Medium, MediumError, absorption_coefficient};
 use crate::integrate::integrate;
 use crate::mie::scatter_sphere;
 use crate::particle::sphere_volume;
-use crate::spectrum::{Sampled, WavelengthGrid};
+use crate::spectrum::{Sampled, SpectrumError, WavelengthGrid};
 
 /// Relative tolerance of the integral over radius unless another is asked for.
 pub const DEFAULT_TOLERANCE: f64 = 1e-4;
+
+/// Optical properties of a bulk medium at one wavelength.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OpticsAt {
+    /// Scattering coefficient, 1/m.
+    pub sigma_s: f64,
+    /// Absorption coefficient, 1/m.
+    pub sigma_a: f64,
+    /// Mean cosine of scattering.
+    pub asymmetry: f64,
+    /// Real part of the effective refractive index.
+    pub n_real: f64,
+    /// Relative error believed to be in scattering, reduced scattering or absorption, whichever is largest.
+    pub relative_error: f64,
+}
 
 /// Spectral optical properties of a bulk medium; all vectors are as long as the grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +38,24 @@ pub struct BulkOptics {
 }
 
 impl BulkOptics {
+    /// Puts together what [`Medium::optics_at`] found at each wavelength of a grid.
+    ///
+    /// # Errors
+    /// [`SpectrumError::Length`] unless there is one entry per wavelength.
+    pub fn new(grid: WavelengthGrid, at: &[OpticsAt]) -> Result<Self, SpectrumError> {
+        if grid.len() != at.len() {
+            return Err(SpectrumError::Length { wavelengths: grid.len(), values: at.len() });
+        }
+        Ok(Self {
+            grid,
+            sigma_s: at.iter().map(|o| o.sigma_s).collect(),
+            sigma_a: at.iter().map(|o| o.sigma_a).collect(),
+            asymmetry: at.iter().map(|o| o.asymmetry).collect(),
+            n_real: at.iter().map(|o| o.n_real).collect(),
+            relative_error: at.iter().map(|o| o.relative_error).fold(0.0, f64::max),
+        })
+    }
+
     /// The wavelengths, m.
     pub fn grid(&self) -> &WavelengthGrid {
         &self.grid
@@ -89,34 +122,27 @@ struct Contribution {
 }
 
 impl Medium {
-    /// Bulk optical properties on a grid of vacuum wavelengths, the integral over radius converged to `tolerance`
-    /// (relative, 1e-12 to 1; [`DEFAULT_TOLERANCE`] is plenty for pictures) in scattering, reduced scattering and
-    /// absorption alike.
+    /// Bulk optical properties on a grid of vacuum wavelengths: [`Self::optics_at`] for each.
+    ///
+    /// # Errors
+    /// As for [`Self::optics_at`].
+    pub fn bulk_optics(&self, grid: &WavelengthGrid, tolerance: f64) -> Result<BulkOptics, MediumError> {
+        let at: Result<Vec<_>, _> = grid.iter().map(|wavelength| self.optics_at(wavelength, tolerance)).collect();
+        Ok(BulkOptics::new(grid.clone(), &at?)?)
+    }
+
+    /// Bulk optical properties at a vacuum wavelength (m), the integral over radius converged to `tolerance` (relative,
+    /// 1e-12 to 1; [`DEFAULT_TOLERANCE`] is plenty for pictures) in scattering, reduced scattering and absorption alike.
     ///
     /// Particles scatter independently of each other. Source: eq 27-33 of `frisvad2007`.
     ///
     /// # Errors
-    /// [`MediumError`] when a wavelength is outside the data, a particle outside Lorenz-Mie's reach, or the integral does
-    /// not converge.
-    pub fn bulk_optics(&self, grid: &WavelengthGrid, tolerance: f64) -> Result<BulkOptics, MediumError> {
+    /// [`MediumError`] when the wavelength is outside the data, a particle outside Lorenz-Mie's reach, or the integral
+    /// does not converge.
+    pub fn optics_at(&self, wavelength: f64, tolerance: f64) -> Result<OpticsAt, MediumError> {
         if !(1e-12..=1.0).contains(&tolerance) {
             return Err(MediumError::Tolerance { tolerance });
         }
-        let mut bulk = BulkOptics {
-            grid: grid.clone(),
-            sigma_s: Vec::with_capacity(grid.len()),
-            sigma_a: Vec::with_capacity(grid.len()),
-            asymmetry: Vec::with_capacity(grid.len()),
-            n_real: Vec::with_capacity(grid.len()),
-            relative_error: 0.0,
-        };
-        for wavelength in grid.iter() {
-            self.add_wavelength(wavelength, tolerance, &mut bulk)?;
-        }
-        Ok(bulk)
-    }
-
-    fn add_wavelength(&self, wavelength: f64, tolerance: f64, bulk: &mut BulkOptics) -> Result<(), MediumError> {
         let host = self.host().index(wavelength)?;
         let host_absorption = absorption_coefficient(host, wavelength);
         let (mut scattering, mut reduced, mut absorption, mut n_real) = (0.0, 0.0, host_absorption, host.re);
@@ -129,16 +155,14 @@ impl Medium {
             n_real -= wavelength * part.index_shift;
             (0..3).for_each(|k| error[k] += part.error[k]);
         }
-        for (error, value) in error.into_iter().zip([scattering, absorption, reduced]) {
-            if value > 0.0 {
-                bulk.relative_error = bulk.relative_error.max(error / value);
-            }
-        }
-        bulk.sigma_s.push(scattering);
-        bulk.sigma_a.push(absorption);
-        bulk.asymmetry.push(if scattering > 0.0 { 1.0 - reduced / scattering } else { 0.0 });
-        bulk.n_real.push(n_real);
-        Ok(())
+        let pairs = error.into_iter().zip([scattering, absorption, reduced]);
+        Ok(OpticsAt {
+            sigma_s: scattering,
+            sigma_a: absorption,
+            asymmetry: if scattering > 0.0 { 1.0 - reduced / scattering } else { 0.0 },
+            n_real,
+            relative_error: pairs.filter(|(_, v)| *v > 0.0).map(|(e, v)| e / v).fold(0.0, f64::max),
+        })
     }
 }
 

@@ -4,7 +4,7 @@ mod bulk;
 
 use num_complex::Complex64;
 
-pub use bulk::{BulkOptics, DEFAULT_TOLERANCE};
+pub use bulk::{BulkOptics, DEFAULT_TOLERANCE, OpticsAt};
 
 use crate::mie::MieError;
 use crate::particle::SizeDistribution;

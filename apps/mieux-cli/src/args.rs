@@ -1,0 +1,167 @@
+//! What can be typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use mieux::io::quantity::{Size, parse_duration, parse_fraction};
+use mieux::io::recipe::{RecipeError, parse_setting};
+use mieux::jobs::{Optics, Render, Stop};
+
+/// What a material looks like, from what it is made of.
+#[derive(Parser)]
+#[command(name = "mieux", version, about, arg_required_else_help = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// List the materials that are known, with their inputs, ranges and defaults
+    Materials,
+    /// List the scenes that are known
+    Scenes,
+    /// Compute the optical properties of a material over wavelength
+    Optics(OpticsArgs),
+    /// Render a picture of a material in a glass, or of a scene
+    Render(RenderArgs),
+    /// Print a completion script for a shell
+    Completions {
+        /// Shell to complete for
+        shell: clap_complete::Shell,
+    },
+}
+
+/// How results are printed.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// A table to read
+    Table,
+    /// Comma-separated values, all digits
+    Csv,
+    /// JSON, arrays of one length
+    Json,
+}
+
+#[derive(Args)]
+pub struct OpticsArgs {
+    /// A material (see `mieux materials`), or the path of a recipe such as `my.toml`
+    pub material: String,
+    /// Set an input of the material, as in `fat=1.5`; may be given several times
+    #[arg(long, value_name = "NAME=NUMBER")]
+    pub set: Vec<String>,
+    /// Wavelengths in vacuum, as in `400nm:700nm:25nm` or `450nm,550nm` [default: 375nm:775nm:25nm]
+    #[arg(long, value_name = "WAVELENGTHS")]
+    pub wavelengths: Option<String>,
+    /// How to print the result
+    #[arg(long, value_enum, default_value = "table")]
+    pub format: Format,
+    /// Relative tolerance of the integral over particle sizes
+    #[arg(long, default_value = "1e-4")]
+    pub tolerance: f64,
+    /// Also write optics.csv, optics.json and optics.svg to this folder
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+impl OpticsArgs {
+    pub fn job(self) -> Result<Optics, RecipeError> {
+        Ok(Optics {
+            set: self.set.iter().map(|s| parse_setting(s)).collect::<Result<_, _>>()?,
+            wavelengths: self.wavelengths,
+            tolerance: self.tolerance,
+            output: self.output,
+            ..Optics::new(self.material)
+        })
+    }
+}
+
+#[derive(Args)]
+pub struct RenderArgs {
+    /// A material or scene (see `mieux materials` and `mieux scenes`), or the path of a recipe or scene file
+    pub subject: String,
+    /// Set an input of the material, as in `fat=1.5`; may be given several times
+    #[arg(long, value_name = "NAME=NUMBER")]
+    pub set: Vec<String>,
+    /// Size of the picture in pixels, as in `640x480` [default: the scene's own]
+    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    pub size: Option<Size>,
+    #[command(flatten)]
+    pub stop: StopArgs,
+    /// The same seed gives the same picture, to the bit
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// How many threads to use [default: one per core]; does not change the picture
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Scatter isotropically after ten mean free paths: faster, slightly wrong (see docs/similarity.md)
+    #[arg(long)]
+    pub similarity: bool,
+    /// Let rays bend by each wavelength's own refractive index: rainbows, and more noise in colour
+    #[arg(long)]
+    pub dispersion: bool,
+    /// Go on with the render that was interrupted in the same folder
+    #[arg(long)]
+    pub resume: bool,
+    /// Folder for the results [default: out/NAME]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// When a picture is done; at most one of these.
+#[derive(Args)]
+#[group(multiple = false)]
+pub struct StopArgs {
+    /// Stop at this many samples per pixel
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
+    pub spp: Option<u64>,
+    /// Stop after this time, as in `60s` or `5min`
+    #[arg(long, value_name = "TIME", value_parser = |s: &str| parse_duration(s))]
+    pub time: Option<f64>,
+    /// Stop when the mean relative error per pixel is down to this, as in `2%` [default: 5%]
+    #[arg(long, value_name = "NOISE", value_parser = |s: &str| parse_fraction(s))]
+    pub noise: Option<f64>,
+}
+
+impl StopArgs {
+    fn stop(&self) -> Stop {
+        match (self.spp, self.time, self.noise) {
+            (Some(samples), _, _) => Stop::Samples(samples),
+            (_, Some(seconds), _) => Stop::Seconds(seconds),
+            (_, _, Some(noise)) => Stop::Noise(noise),
+            _ => Stop::default(),
+        }
+    }
+}
+
+impl RenderArgs {
+    pub fn job(self) -> Result<Render, RecipeError> {
+        Ok(Render {
+            set: self.set.iter().map(|s| parse_setting(s)).collect::<Result<_, _>>()?,
+            size: self.size,
+            stop: self.stop.stop(),
+            seed: self.seed,
+            threads: self.threads.map(usize::from),
+            similarity: self.similarity,
+            dispersion: self.dispersion,
+            resume: self.resume,
+            output: self.output,
+            ..Render::new(self.subject)
+        })
+    }
+
+    /// What to type to go on after an interruption.
+    pub fn resume_command(&self) -> String {
+        let mut words: Vec<String> = std::env::args().skip(1).map(|word| quoted(&word)).collect();
+        if !self.resume {
+            words.push("--resume".into());
+        }
+        format!("mieux {}", words.join(" "))
+    }
+}
+
+/// A word as a shell takes it back.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,%+@".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+}

@@ -1,0 +1,64 @@
+//! Errors as people see them: one report, pointing at the place where there is one.
+
+use std::process::ExitCode;
+
+use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
+use mieux::io::recipe::RecipeError;
+use mieux::jobs::JobError;
+
+/// Anything that ends the program early.
+#[derive(Debug)]
+pub enum Failure {
+    Job(Box<JobError>),
+    /// Standard output is gone or full.
+    Output(std::io::Error),
+}
+
+impl From<JobError> for Failure {
+    fn from(error: JobError) -> Self {
+        Self::Job(Box::new(error))
+    }
+}
+
+impl From<RecipeError> for Failure {
+    fn from(error: RecipeError) -> Self {
+        JobError::from(error).into()
+    }
+}
+
+impl From<std::io::Error> for Failure {
+    fn from(error: std::io::Error) -> Self {
+        Self::Output(error)
+    }
+}
+
+impl Failure {
+    /// Prints the error and says how the program ends: 2 for input that cannot be, 130 when interrupted, else 1.
+    #[allow(clippy::print_stderr)]
+    pub fn report(self) -> ExitCode {
+        let error = match self {
+            // Whoever was reading has seen enough.
+            Self::Output(e) if e.kind() == std::io::ErrorKind::BrokenPipe => return ExitCode::SUCCESS,
+            Self::Output(e) => {
+                eprintln!("Error: the result could not be printed: {e}");
+                return ExitCode::FAILURE;
+            }
+            Self::Job(error) => error,
+        };
+        let code = match *error {
+            JobError::Cancelled => 130,
+            JobError::Output(_) | JobError::Image(_) | JobError::Threads { .. } => 1,
+            _ => 2,
+        };
+        let mut diagnostic = MietteDiagnostic::new(error.to_string());
+        diagnostic.help = error.help();
+        let mut report = Report::new(diagnostic.clone());
+        if let JobError::Recipe(RecipeError::Text(text)) = error.as_ref() {
+            let label = LabeledSpan::new_with_span(Some("here".into()), text.span.clone());
+            report = Report::new(diagnostic.with_label(label))
+                .with_source_code(NamedSource::new(&text.name, text.text.clone()).with_language("toml"));
+        }
+        eprintln!("{report:?}");
+        ExitCode::from(code)
+    }
+}

@@ -1,0 +1,108 @@
+//! What is printed.
+
+use std::io::{self, Write};
+
+use clap::CommandFactory;
+use mieux::io::quantity::{format_duration, format_length, format_per_length};
+use mieux::io::recipe::{MATERIALS, Recipe};
+use mieux::io::scene::{SCENES, SceneFile};
+use mieux::jobs::{OpticsReport, OpticsSheet, RenderReport};
+
+use crate::args::{Cli, Format};
+use crate::failure::Failure;
+
+pub fn materials() -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    for (name, _) in MATERIALS {
+        let recipe = Recipe::find(name)?;
+        writeln!(out, "{name:<16} {}", recipe.about())?;
+        for (input, value) in recipe.inputs() {
+            writeln!(
+                out,
+                "    --set {:<12} {value} {} ({} to {}): {}",
+                input.name, input.unit, input.minimum, input.maximum, input.about
+            )?;
+        }
+    }
+    writeln!(out, "\nA recipe of your own is a file: `mieux optics my.toml`. Its form is in docs/recipes.md.")?;
+    Ok(())
+}
+
+pub fn scenes() -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    for (name, _) in SCENES {
+        let Some(scene) = SceneFile::built_in(name) else { continue };
+        let scene = scene.map_err(mieux::io::recipe::RecipeError::from)?;
+        writeln!(out, "{name:<16} {} Size: {}.", scene.about, scene.size)?;
+    }
+    Ok(())
+}
+
+pub fn completions(shell: clap_complete::Shell) {
+    clap_complete::generate(shell, &mut Cli::command(), "mieux", &mut io::stdout());
+}
+
+pub fn optics(report: &OpticsReport, format: Format) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    match format {
+        Format::Table => {
+            write!(out, "{}", report.sheet.table().map_err(Failure::from)?.to_text(5))?;
+            for file in &report.files {
+                writeln!(out, "{}", file.display())?;
+            }
+        }
+        Format::Csv => report.sheet.table().map_err(Failure::from)?.write_csv(&mut out)?,
+        Format::Json => writeln!(out, "{:#}", report.sheet.json())?,
+    }
+    Ok(())
+}
+
+#[allow(clippy::print_stdout)]
+pub fn render(report: &RenderReport, again: &str) {
+    let mut text = String::new();
+    for sheet in &report.sheets {
+        text += &summary(sheet);
+    }
+    let (least, most) = report.samples;
+    let samples = if least == most { format!("{least}") } else { format!("{least} to {most}") };
+    text += &format!(
+        "{}: {samples} samples per pixel in {}, mean relative error per pixel {:.1} %\n",
+        if report.interrupted { "stopped" } else { "picture" },
+        format_duration(report.seconds),
+        100.0 * report.noise
+    );
+    let lost = report.statistics.lost;
+    if lost > 0 {
+        text += &format!("{lost} of {} paths were given up; they count as dark\n", report.statistics.paths);
+    }
+    text += &format!("in {}:", report.folder.display());
+    for file in &report.files {
+        text += &format!(" {}", file.file_name().unwrap_or(file.as_os_str()).to_string_lossy());
+    }
+    text += "\n";
+    if report.interrupted {
+        text += &format!("to go on: {again}\n");
+    }
+    print!("{text}");
+}
+
+/// What a material is made of, and its properties at three wavelengths.
+fn summary(sheet: &OpticsSheet) -> String {
+    let made: Vec<String> = sheet
+        .made_of()
+        .iter()
+        .map(|m| format!("{} {} vol.-%", m.what, mieux::io::quantity::significant(100.0 * m.volume_fraction, 3)))
+        .collect();
+    let mut text = format!("{}: {}\n", sheet.material.title, made.join(", "));
+    for wavelength in [450e-9, 550e-9, 650e-9] {
+        let [wavelength, reduced, absorption, g, extinction] = sheet.nearest(wavelength);
+        let path = if extinction > 0.0 { format_length(1.0 / extinction) } else { "endless".into() };
+        text += &format!(
+            "  {:>6}  sigma_s' {:>10}  sigma_a {:>10}  g {g:.4}  mean free path {path}\n",
+            format_length(wavelength),
+            format_per_length(reduced),
+            format_per_length(absorption),
+        );
+    }
+    text
+}

@@ -1,0 +1,104 @@
+//! Everything that can keep a job from its end.
+
+use mieux_io::checkpoint::CheckpointError;
+use mieux_io::image::ImageError;
+use mieux_io::output::OutputError;
+use mieux_io::plot::PlotError;
+use mieux_io::quantity::QuantityError;
+use mieux_io::recipe::RecipeError;
+use mieux_io::table::TableError;
+use mieux_optics::medium::MediumError;
+use mieux_optics::spectrum::SpectrumError;
+use mieux_render::render::RenderError;
+
+/// Why a job did not get to its end.
+#[derive(Debug, thiserror::Error)]
+pub enum JobError {
+    /// The material or scene.
+    #[error(transparent)]
+    Recipe(#[from] RecipeError),
+    /// Its optical properties.
+    #[error("{material}: {source}")]
+    Medium {
+        /// Name of the material.
+        material: String,
+        /// What is wrong.
+        source: MediumError,
+    },
+    /// A setting that none of the materials of a scene has.
+    #[error("no material of the scene {scene} has an input `{input}`")]
+    NoSuchInput {
+        /// Name of the scene.
+        scene: String,
+        /// The input.
+        input: String,
+    },
+    /// A typed quantity in the job.
+    #[error(transparent)]
+    Quantity(#[from] QuantityError),
+    /// A number that makes no sense.
+    #[error("{name} = {value}: {allowed}")]
+    Value {
+        /// What it is.
+        name: &'static str,
+        /// What was given.
+        value: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// The scene `glass` needs a material.
+    #[error(
+        "the scene {scene} shows a material of your choice: render the material itself, as in `mieux render whole-milk`"
+    )]
+    NoMaterial {
+        /// Name of the scene.
+        scene: String,
+    },
+    /// A spectrum that is none.
+    #[error(transparent)]
+    Spectrum(#[from] SpectrumError),
+    /// The renderer.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The render to go on with.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// A folder or file to be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// A picture.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// A plot.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+    /// A table.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// The threads could not be started.
+    #[error("{threads} threads could not be started: {reason}")]
+    Threads {
+        /// How many.
+        threads: usize,
+        /// Why.
+        reason: String,
+    },
+    /// Stopped before there was anything to keep.
+    #[error("stopped before there was anything to keep")]
+    Cancelled,
+}
+
+impl JobError {
+    /// What to do about it, where there is something to say.
+    pub fn help(&self) -> Option<String> {
+        match self {
+            Self::Recipe(RecipeError::Unknown { help, .. } | RecipeError::NoSuchInput { help, .. }) => {
+                Some(help.clone())
+            }
+            Self::Recipe(RecipeError::Text(error)) => error.help.clone(),
+            Self::Checkpoint(CheckpointError::Read { .. }) => Some("leave out `--resume` to begin anew".into()),
+            Self::Checkpoint(_) => Some("leave out `--resume` to begin anew, or give another folder with `-o`".into()),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! A job is a value that can be written down; running it reports progress and leaves results.
+//!
+//! The command line, a TOML or JSON file, and whatever comes later build the same values and run them the same way.
+
+mod error;
+mod event;
+mod optics;
+mod render;
+mod sheet;
+
+use serde::{Deserialize, Serialize};
+
+pub use error::JobError;
+pub use event::{Context, Event, Stage};
+pub use optics::{Optics, OpticsReport};
+pub use render::{Render, RenderReport, Stop};
+pub use sheet::{Made, OpticsSheet};
+
+/// Everything `mieux` can be asked to do.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "job", rename_all = "kebab-case")]
+pub enum Job {
+    /// Optical properties of a material over wavelength.
+    Optics(Optics),
+    /// A picture.
+    Render(Render),
+}
+
+/// What a job leaves besides its files.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Report {
+    /// Of [`Job::Optics`].
+    Optics(OpticsReport),
+    /// Of [`Job::Render`].
+    Render(Box<RenderReport>),
+}
+
+impl Job {
+    /// Runs the job to its end, or to the next stopping point once the context asks for it.
+    ///
+    /// # Errors
+    /// [`JobError`]; nothing is written then that was not whole already.
+    pub fn run(&self, context: &Context<'_>) -> Result<Report, JobError> {
+        match self {
+            Self::Optics(job) => job.run(context).map(Report::Optics),
+            Self::Render(job) => job.run(context).map(|report| Report::Render(Box::new(report))),
+        }
+    }
+}

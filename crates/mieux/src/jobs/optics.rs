@@ -1,0 +1,79 @@
+//! The job behind `mieux optics`.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use mieux_io::output::OutputDir;
+use mieux_io::quantity::parse_wavelengths;
+use mieux_io::recipe::Recipe;
+use mieux_optics::medium::DEFAULT_TOLERANCE;
+use mieux_optics::spectrum::WavelengthGrid;
+use serde::{Deserialize, Serialize};
+
+use super::{Context, Event, JobError, OpticsSheet, Stage};
+
+/// Optical properties of a material over wavelength.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Optics {
+    /// A built-in material, or the path of a recipe.
+    pub material: String,
+    /// Inputs that differ from the recipe's.
+    #[serde(default)]
+    pub set: BTreeMap<String, f64>,
+    /// As typed: `400nm:700nm:25nm` or `450nm,550nm`; the seventeen of frisvad2007 when left out.
+    #[serde(default)]
+    pub wavelengths: Option<String>,
+    /// Relative tolerance of the integral over particle sizes.
+    #[serde(default = "default_tolerance")]
+    pub tolerance: f64,
+    /// Folder for table and plot; nothing is written when left out.
+    #[serde(default)]
+    pub output: Option<PathBuf>,
+}
+
+fn default_tolerance() -> f64 {
+    DEFAULT_TOLERANCE
+}
+
+impl Optics {
+    /// The properties of a material at the usual wavelengths.
+    pub fn new(material: impl Into<String>) -> Self {
+        Self {
+            material: material.into(),
+            set: BTreeMap::new(),
+            wavelengths: None,
+            tolerance: DEFAULT_TOLERANCE,
+            output: None,
+        }
+    }
+
+    pub(super) fn run(&self, context: &Context<'_>) -> Result<OpticsReport, JobError> {
+        let material = Recipe::find(&self.material)?.material(&self.set)?;
+        let grid = match &self.wavelengths {
+            Some(text) => parse_wavelengths(text)?,
+            None => WavelengthGrid::frisvad2007(),
+        };
+        let sheet = OpticsSheet::compute(material, &grid, self.tolerance, context)?;
+        let mut files = Vec::new();
+        if let Some(folder) = &self.output {
+            let dir = OutputDir::create(folder)?;
+            context.say(Event::Begin(Stage::Write));
+            files = sheet.write(&dir, "optics")?;
+            let json = sheet.json();
+            files.push(dir.write("optics.json", |out| Ok(serde_json::to_writer_pretty(out, &json)?))?);
+            dir.commit();
+            context.say(Event::End(Stage::Write));
+        }
+        Ok(OpticsReport { sheet, files })
+    }
+}
+
+/// What [`Optics`] leaves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpticsReport {
+    /// The properties.
+    pub sheet: OpticsSheet,
+    /// The files written.
+    pub files: Vec<PathBuf>,
+}
