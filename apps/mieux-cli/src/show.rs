@@ -66,10 +66,10 @@ pub fn render(report: &RenderReport, again: &str) {
     let (least, most) = report.samples;
     let samples = if least == most { format!("{least}") } else { format!("{least} to {most}") };
     text += &format!(
-        "{}: {samples} samples per pixel in {}, mean relative error per pixel {:.1} %\n",
+        "{}: {samples} samples per pixel in {}, mean relative error per pixel {}\n",
         if report.interrupted { "stopped" } else { "picture" },
         format_duration(report.seconds),
-        100.0 * report.noise
+        percent(report.noise)
     );
     let lost = report.statistics.lost;
     if lost > 0 {
@@ -84,6 +84,11 @@ pub fn render(report: &RenderReport, again: &str) {
         text += &format!("to go on: {again}\n");
     }
     print!("{text}");
+}
+
+/// A relative error in percent; pixels with fewer than eight samples have none to give.
+fn percent(noise: f64) -> String {
+    if noise.is_finite() { format!("{:.1} %", 100.0 * noise) } else { "unknown (it takes 8 samples)".into() }
 }
 
 /// What a material is made of, and its properties at three wavelengths.

@@ -1,7 +1,7 @@
 //! A film in the middle of its exposure, kept so that a render can go on where it stopped, to the same bits.
 //!
 //! Layout: one line of ASCII (`mieux-film 1 WIDTH HEIGHT JOB`, the job being what the film belongs to, as one line of
-//! text), then per pixel, row by row: seven `f64` sums and the `u64` number of samples, little endian.
+//! text), then per pixel, row by row: ten `f64` sums and the `u64` number of samples, little endian.
 
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::output::{OutputError, write_atomic};
 use crate::quantity::Size;
 
 /// Bytes per pixel.
-const PIXEL: u64 = 64;
+const PIXEL: u64 = 88;
 /// Longest first line.
 const MAX_LINE: u64 = 1 << 16;
 
@@ -58,6 +58,7 @@ pub fn write_checkpoint(path: &Path, job: &str, film: &Film) -> Result<(), Outpu
         writeln!(out, "mieux-film 1 {width} {height} {job}")?;
         for pixel in film.pixels() {
             let sums = pixel.sum.iter().chain(&pixel.sum_squares).chain([&pixel.sum_squares_luminance]);
+            let sums = sums.chain(&pixel.open_group);
             for value in sums {
                 out.write_all(&value.to_le_bytes())?;
             }
@@ -110,7 +111,8 @@ fn pixel(bytes: &[u8; PIXEL as usize]) -> Pixel {
         sum: std::array::from_fn(float),
         sum_squares: std::array::from_fn(|c| float(3 + c)),
         sum_squares_luminance: float(6),
-        samples: u64::from_le_bytes(word(7)),
+        open_group: std::array::from_fn(|c| float(7 + c)),
+        samples: u64::from_le_bytes(word(10)),
     }
 }
 
@@ -119,13 +121,11 @@ mod tests {
     use super::*;
 
     fn film() -> Film {
-        let mut film = Film::new([3, 2]);
-        for (i, (x, y)) in [(0, 0), (2, 1), (1, 0)].into_iter().enumerate() {
-            for k in 0..=i {
-                film.pixel_mut(x, y).add([0.1 * k as f64, 0.7, 1.0 / 3.0]);
-            }
+        let mut pixels = vec![Pixel::default(); 6];
+        for (i, pixel) in pixels.iter_mut().enumerate() {
+            (0..2 * i).for_each(|k| pixel.add([0.1 * k as f64, 0.7, 1.0 / 3.0]));
         }
-        film
+        Film::from_parts([3, 2], pixels).unwrap()
     }
 
     #[test]

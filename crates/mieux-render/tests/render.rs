@@ -1,0 +1,110 @@
+//! The driver: the same bits on any number of threads, interrupted or not; stop rules; errors.
+
+mod common;
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use common::spectrum;
+use mieux_render::film::Film;
+use mieux_render::light::constant;
+use mieux_render::medium::Medium;
+use mieux_render::render::{Flow, Outcome, RenderError, RenderSettings, StopRule, render};
+use mieux_render::scene::{GlassScene, Scene, SceneError, glasses};
+
+fn small_glass() -> Scene {
+    let milk = Medium {
+        sigma_s: spectrum([4_000.0, 1_500.0, 800.0]),
+        sigma_a: spectrum([20.0, 2.0, 1.0]),
+        g: spectrum([0.6, 0.5, 0.4]),
+        n: spectrum([1.357, 1.347, 1.343]),
+    };
+    let glass = Medium::clear(constant(1.0).unwrap(), constant(1.52).unwrap()).unwrap();
+    let mut wanted = GlassScene::new(vec![("milk".into(), milk)], glass);
+    wanted.resolution = [50, 37];
+    glasses(&wanted).unwrap()
+}
+
+fn settings(stop: StopRule) -> RenderSettings {
+    RenderSettings { seed: 5, stop, ..RenderSettings::default() }
+}
+
+fn on_threads(threads: usize, film: Option<Film>) -> Film {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let scene = small_glass();
+    pool.install(|| render(&scene, &settings(StopRule::Samples(6)), film, &|_| Flow::Continue).unwrap().film)
+}
+
+#[test]
+fn the_same_bits_on_one_two_and_three_threads_and_after_interruption() {
+    let whole = on_threads(1, None);
+    assert_eq!(whole, on_threads(2, None));
+    assert_eq!(whole, on_threads(3, None));
+    assert_eq!(whole.samples(), (6, 6));
+    for stop_after in [1, 9, 20] {
+        let tiles = AtomicU32::new(0);
+        let sink = |_: &_| {
+            if tiles.fetch_add(1, Ordering::Relaxed) + 1 >= stop_after { Flow::Stop } else { Flow::Continue }
+        };
+        let broken = render(&small_glass(), &settings(StopRule::Samples(6)), None, &sink).unwrap();
+        assert_eq!(broken.outcome, Outcome::Stopped);
+        assert!(broken.film.samples().0 < 6);
+        let kept = Film::from_parts(broken.film.resolution(), broken.film.pixels().to_vec()).unwrap();
+        assert_eq!(whole, on_threads(2, Some(kept)));
+    }
+}
+
+#[test]
+fn another_seed_is_another_picture_of_the_same_thing() {
+    let scene = small_glass();
+    let mean = |seed| {
+        let settings = RenderSettings { seed, ..settings(StopRule::Samples(16)) };
+        let film = render(&scene, &settings, None, &|_| Flow::Continue).unwrap().film;
+        film.pixels().iter().map(|p| p.mean()[1]).sum::<f64>() / film.pixels().len() as f64
+    };
+    let (a, b) = (mean(1), mean(2));
+    assert!(a != b && (a / b - 1.0).abs() < 0.02, "{a} {b}");
+}
+
+#[test]
+fn noise_is_reached_and_progress_adds_up() {
+    let last = AtomicU32::new(0);
+    let sink = |p: &mieux_render::render::Progress| {
+        assert!(p.samples <= p.pass_end && p.end.is_none());
+        last.fetch_max(p.samples as u32, Ordering::Relaxed);
+        Flow::Continue
+    };
+    let rendered = render(&small_glass(), &settings(StopRule::Noise(0.2)), None, &sink).unwrap();
+    assert_eq!(rendered.outcome, Outcome::Finished);
+    assert!(rendered.noise <= 0.2 && rendered.noise == rendered.film.noise());
+    assert_eq!(u64::from(last.into_inner()), rendered.film.total_samples());
+    assert_eq!(rendered.statistics.paths, rendered.film.total_samples());
+    assert_eq!(rendered.statistics.lost, 0);
+}
+
+#[test]
+fn bad_settings_and_scenes_are_refused() {
+    let scene = small_glass();
+    let go = |scene: &Scene, stop, film| render(scene, &settings(stop), film, &|_| Flow::Continue);
+    assert_eq!(go(&scene, StopRule::Samples(0), None), Err(RenderError::Samples { samples: 0 }));
+    assert!(matches!(go(&scene, StopRule::Noise(0.0), None), Err(RenderError::Noise { .. })));
+    assert!(matches!(go(&scene, StopRule::Noise(f64::NAN), None), Err(RenderError::Noise { .. })));
+    let other = Some(Film::new([3, 3]));
+    assert!(matches!(go(&scene, StopRule::Samples(1), other), Err(RenderError::Resolution { .. })));
+    let error = |scene: Scene| match go(&scene, StopRule::Samples(1), None) {
+        Err(RenderError::Scene(error)) => error,
+        other => panic!("{other:?}"),
+    };
+    let mut open = scene.clone();
+    open.bodies[1].mesh = scene.surfaces[0].mesh.clone();
+    assert!(matches!(error(open), SceneError::NotClosed { name } if name == "milk"));
+    let mut short = scene.clone();
+    short.wavelength_range = (380e-9, 780e-9);
+    short.bodies[1].medium.g = Medium::grey(0.0, 0.0, 1.0, 1.0).unwrap().g;
+    assert!(matches!(error(short), SceneError::Medium { .. }));
+    let mut dark = scene.clone();
+    dark.bodies[0].medium.sigma_a = constant(-1.0).unwrap();
+    assert!(error(dark).to_string().contains("sigma_a = -1"));
+    let mut beyond = scene;
+    beyond.wavelength_range = (300e-9, 700e-9);
+    assert!(matches!(error(beyond), SceneError::Observer(_)));
+}
