@@ -82,6 +82,14 @@ impl SceneFile {
         SCENES.iter().find(|(known, _)| *known == name).map(|(name, text)| Self::parse(name, name, text))
     }
 
+    /// The built-in scene in which a material is shown when no scene is asked for.
+    ///
+    /// # Errors
+    /// Never: the scene is part of the program, and a test reads it.
+    pub fn glass() -> Result<Self, RecipeError> {
+        Ok(Self::parse("glass", "glass", SCENES[0].1)?)
+    }
+
     /// Takes recipe files named in a scene file to lie beside it.
     fn beside(mut self, path: &Path) -> Self {
         for glass in self.glasses.iter_mut().flatten() {
@@ -135,6 +143,7 @@ mod tests {
             }
         }
         assert_eq!(SceneFile::built_in("milk-components").unwrap().unwrap().glasses.len(), 7);
+        assert_eq!(SceneFile::glass().unwrap().glasses, [None]);
         assert!(SceneFile::built_in("nowhere").is_none());
         assert!(!SceneFile::is_scene("model = \"milk\""));
     }

@@ -141,12 +141,16 @@ impl Outline {
         self.points.push(end);
     }
 
-    /// A straight stretch to the start of a circular arc, then the arc; angles from the r axis.
+    /// A straight stretch to the start of a circular arc, then the arc; angles from the r axis, rising where the body is
+    /// round and falling where it is hollow. The arc's own normals keep the straight stretches beside it flat: averaged
+    /// ones would turn the wall below the rim into a lens.
     fn arc(&mut self, [r, z]: [f64; 2], radius: f64, from: f64, to: f64) {
         let pieces = ((to - from).abs() / (0.5 * PI) * f64::from(ARC)).round() as u32;
         for k in 0..=pieces {
             let (sin, cos) = (from + (to - from) * f64::from(k) / f64::from(pieces)).sin_cos();
-            let point = ProfilePoint::smooth(r + radius * cos, z + radius * sin);
+            let outward = (to - from).signum();
+            let normal = Some([outward * cos, outward * sin]);
+            let point = ProfilePoint { normal, ..ProfilePoint::smooth(r + radius * cos, z + radius * sin) };
             if k == 0 { self.line_to(point) } else { self.points.push(point) }
         }
     }
@@ -175,6 +179,21 @@ mod tests {
         let bounds = glass.liquid(0.08).unwrap().bounds();
         assert!((bounds.1.x - (glass.inner_radius() + 0.5 * glass.wall)).abs() < 1e-6);
         assert!((bounds.0.z - (glass.base - 0.5 * glass.wall)).abs() < 1e-6);
+    }
+
+    /// The straight parts of the wall are flat to the eye as well, from the very end of the roundings.
+    #[test]
+    fn the_wall_has_level_normals() {
+        let glass = DrinkingGlass::default();
+        let mesh = glass.glass().unwrap();
+        let (low, high) = (glass.base + glass.inner_corner() - 1e-7, glass.height - 0.5 * glass.wall + 1e-7);
+        for (v, n) in mesh.vertices().iter().zip(mesh.normals().unwrap()) {
+            let out = (v[0] * n[0] + v[1] * n[1]).signum();
+            if (low..=high).contains(&f64::from(v[2])) {
+                assert!(n[2].abs() < 1e-6, "{v:?} {n:?}");
+                assert_eq!(out > 0.0, v[0].hypot(v[1]) > 0.032);
+            }
+        }
     }
 
     #[test]

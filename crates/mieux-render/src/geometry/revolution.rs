@@ -13,17 +13,20 @@ pub struct ProfilePoint {
     pub z: f64,
     /// Whether the surface has a sharp edge here; else its normal turns smoothly.
     pub crease: bool,
+    /// Outward normal (r, z) where it is known, as on an arc; else the mean of the two stretches that meet here. Not used
+    /// at creases and on the axis.
+    pub normal: Option<[f64; 2]>,
 }
 
 impl ProfilePoint {
     /// A point where the surface is smooth.
     pub fn smooth(r: f64, z: f64) -> Self {
-        Self { r, z, crease: false }
+        Self { r, z, crease: false, normal: None }
     }
 
     /// A point where the surface has an edge.
     pub fn crease(r: f64, z: f64) -> Self {
-        Self { r, z, crease: true }
+        Self { r, z, crease: true, normal: None }
     }
 }
 
@@ -52,7 +55,8 @@ pub fn revolution(profile: &[ProfilePoint], segments: u32) -> Result<Mesh, Geome
             previous = turned.ring(*point, normal(profile, i));
         } else {
             let after = normal(profile, i);
-            let ring = turned.ring(*point, [before[0] + after[0], before[1] + after[1]]);
+            let mean = [before[0] + after[0], before[1] + after[1]];
+            let ring = turned.ring(*point, point.normal.unwrap_or(mean));
             turned.band(previous, ring);
             previous = ring;
         }
@@ -73,7 +77,8 @@ fn check(profile: &[ProfilePoint], segments: u32) -> Result<(), GeometryError> {
     }
     for (i, point) in profile.iter().enumerate() {
         let end = i == 0 || i == profile.len() - 1;
-        if !(point.r.is_finite() && point.z.is_finite() && point.r >= 0.0) {
+        let finite = point.normal.is_none_or(|[nr, nz]| nr.is_finite() && nz.is_finite());
+        if !(point.r.is_finite() && point.z.is_finite() && finite && point.r >= 0.0) {
             return bad(i, "coordinates are finite and r is not negative");
         }
         if end != (point.r == 0.0) {

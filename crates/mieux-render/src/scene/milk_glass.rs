@@ -31,14 +31,14 @@ const GLASS: i32 = 10;
 const FOOT_GAP: f64 = 20e-6;
 
 impl GlassScene {
-    /// Quarter-litre tumblers, four fifths full, in a picture of 480 x 360, rendered from 380 to 775 nm.
+    /// Quarter-litre tumblers, four fifths full, in a picture of 400 x 300, rendered from 380 to 775 nm.
     pub fn new(liquids: Vec<(String, Medium)>, glass: Medium) -> Self {
         Self {
             liquids,
             glass,
             shape: DrinkingGlass::default(),
             level: 0.084,
-            resolution: [480, 360],
+            resolution: [400, 300],
             wavelength_range: (380e-9, 775e-9),
         }
     }
@@ -123,8 +123,8 @@ fn table_grey(wanted: &GlassScene) -> Result<Sampled, SceneError> {
 }
 
 fn studio() -> Result<Environment, SceneError> {
-    let dome = Dome { nadir: 0.35, horizon: 0.55, zenith: 0.72 };
-    let key = SoftBox::new([-0.9, -0.5, 0.85], [1.0, 0.9], 0.5, 0.78)?;
+    let dome = Dome { nadir: 0.35, horizon: 0.55, zenith: 0.65 };
+    let key = SoftBox::new([-0.9, -0.5, 0.85], [1.0, 0.9], 0.5, 0.85)?;
     let fill = SoftBox::new([1.0, -0.4, 0.5], [0.35, 0.8], 0.5, 0.4)?;
     Ok(Environment::daylight(Pattern::Studio(Studio::new(dome, vec![key, fill])?)))
 }

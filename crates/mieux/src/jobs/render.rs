@@ -192,10 +192,8 @@ impl Render {
         match Subject::find(&self.subject)? {
             Subject::Material(recipe) => {
                 let material = recipe.material(&self.set)?;
-                let size = Size::new(480, 360)?;
-                let (title, about) = (recipe.title().to_string(), recipe.about().to_string());
-                let scene = SceneFile { title, about, glasses: vec![None], size };
-                Ok((material.name.clone(), scene, vec![material]))
+                let glass = SceneFile::glass()?;
+                Ok((material.name.clone(), SceneFile { title: recipe.title().into(), ..glass }, vec![material]))
             }
             Subject::Scene(name, scene) => {
                 let materials = self.materials_of(&name, &scene)?;
