@@ -31,20 +31,20 @@ const GLASS: i32 = 10;
 const FOOT_GAP: f64 = 20e-6;
 
 impl GlassScene {
-    /// Quarter-litre tumblers, four fifths full, in a picture of 400 x 300, rendered from 380 to 775 nm.
+    /// Quarter-litre tumblers, four fifths full, in a picture of 320 x 240, rendered from 380 to 775 nm.
     pub fn new(liquids: Vec<(String, Medium)>, glass: Medium) -> Self {
         Self {
             liquids,
             glass,
             shape: DrinkingGlass::default(),
             level: 0.084,
-            resolution: [400, 300],
+            resolution: [320, 240],
             wavelength_range: (380e-9, 775e-9),
         }
     }
 }
 
-/// Builds the scene: glasses on a light table that sweeps up behind them, under a large soft box from the upper left
+/// Builds the scene: glasses on a grey table that sweeps up behind them, under a large soft box from the upper left
 /// and a weaker one from the right.
 ///
 /// # Errors
@@ -112,20 +112,22 @@ fn sweep(reach: f64) -> Result<Mesh, SceneError> {
     Ok(Mesh::new(vertices, triangles, None)?)
 }
 
-/// A light grey, a little warm.
+/// A middling grey, a little warm.
 fn table_grey(wanted: &GlassScene) -> Result<Sampled, SceneError> {
     let medium = |source| SceneError::Medium { name: "table".into(), source };
     let (low, high) = wanted.wavelength_range;
     let grid = WavelengthGrid::new(vec![100e-9, 400e-9, 550e-9, 700e-9, 10e-6]);
-    grid.and_then(|grid| Sampled::new(grid, vec![0.52, 0.52, 0.56, 0.59, 0.59])).map_err(|_| {
+    grid.and_then(|grid| Sampled::new(grid, vec![0.26, 0.26, 0.27, 0.28, 0.28])).map_err(|_| {
         medium(crate::medium::MediumError::Range { what: "reflectance", known_m: (low, high), asked_m: (low, high) })
     })
 }
 
 fn studio() -> Result<Environment, SceneError> {
-    let dome = Dome { nadir: 0.35, horizon: 0.55, zenith: 0.65 };
-    let key = SoftBox::new([-0.9, -0.5, 0.85], [1.0, 0.9], 0.5, 0.85)?;
-    let fill = SoftBox::new([1.0, -0.4, 0.5], [0.35, 0.8], 0.5, 0.4)?;
+    // Much light from one side, little from the others: turbid things show their colour only where light can leave
+    // another way than it came. Under an even sky everything that absorbs nothing is white.
+    let dome = Dome { nadir: 0.18, horizon: 0.3, zenith: 0.5 };
+    let key = SoftBox::new([-0.8, -0.75, 0.8], [0.8, 0.8], 0.4, 1.6)?;
+    let fill = SoftBox::new([1.0, -0.3, 0.5], [0.35, 0.8], 0.5, 0.3)?;
     Ok(Environment::daylight(Pattern::Studio(Studio::new(dome, vec![key, fill])?)))
 }
 
