@@ -110,8 +110,8 @@ impl SceneFile {
     /// # Errors
     /// [`TextError`] with the place.
     pub fn parse(name: &str, file: &str, text: &str) -> Result<Self, Box<TextError>> {
-        let document: Document = toml::from_str(text).map_err(|e| Box::new(TextError::from_toml(file, text, &e)))?;
-        let error = |span, message: String| Box::new(TextError::new(file, text, span, message));
+        let document: Document = toml::from_str(text).map_err(|e| TextError::from_toml(file, text, &e))?;
+        let error = |span, message: String| TextError::new(file, text, span, message);
         let count = document.glasses.get_ref().len();
         if !(1..=MAX_GLASSES).contains(&count) {
             let message = format!("{count} glasses; between 1 and {MAX_GLASSES} can stand in a row");

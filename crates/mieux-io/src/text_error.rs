@@ -24,14 +24,14 @@ pub struct TextError {
 
 impl TextError {
     /// Points at `span` in `text`; a span beyond the text points at its end.
-    pub fn new(name: &str, text: &str, span: Range<usize>, message: impl Into<String>) -> Self {
+    pub fn new(name: &str, text: &str, span: Range<usize>, message: impl Into<String>) -> Box<Self> {
         let mut start = span.start.min(text.len());
         while !text.is_char_boundary(start) {
             start -= 1;
         }
         let end = span.end.clamp(start, text.len());
         let before = &text[..start];
-        Self {
+        Box::new(Self {
             name: name.into(),
             text: text.into(),
             span: start..end,
@@ -39,18 +39,18 @@ impl TextError {
             column: before.rsplit('\n').next().unwrap_or("").chars().count() + 1,
             message: message.into(),
             help: None,
-        }
+        })
     }
 
     /// Adds what would do.
     #[must_use]
-    pub fn with_help(mut self, help: impl Into<String>) -> Self {
+    pub fn with_help(mut self: Box<Self>, help: impl Into<String>) -> Box<Self> {
         self.help = Some(help.into());
         self
     }
 
     /// From what the TOML reader says.
-    pub(crate) fn from_toml(name: &str, text: &str, error: &toml::de::Error) -> Self {
+    pub(crate) fn from_toml(name: &str, text: &str, error: &toml::de::Error) -> Box<Self> {
         let span = error.span().unwrap_or(0..text.len().min(1));
         Self::new(name, text, span, error.message())
     }

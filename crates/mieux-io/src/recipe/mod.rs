@@ -120,7 +120,7 @@ impl Recipe {
     /// # Errors
     /// [`RecipeError::Text`].
     pub fn parse(name: &str, file: &str, text: &str) -> Result<Self, RecipeError> {
-        Ok(schema::read(name, file, text).map_err(Box::new)?)
+        Ok(schema::read(name, file, text)?)
     }
 
     /// Name, as asked for.

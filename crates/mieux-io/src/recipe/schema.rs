@@ -55,13 +55,13 @@ pub(super) struct Source<'a> {
 }
 
 impl Source<'_> {
-    pub(super) fn error(&self, span: Range<usize>, message: impl ToString) -> TextError {
+    pub(super) fn error(&self, span: Range<usize>, message: impl ToString) -> Box<TextError> {
         TextError::new(self.file, self.text, span, message.to_string())
     }
 }
 
 /// Reads a recipe; `file` names it in errors.
-pub(super) fn read(name: &str, file: &str, text: &str) -> Result<Recipe, TextError> {
+pub(super) fn read(name: &str, file: &str, text: &str) -> Result<Recipe, Box<TextError>> {
     let source = Source { file, text };
     let document: Document = toml::from_str(text).map_err(|e| TextError::from_toml(file, text, &e))?;
     let kind = match &document.model {
@@ -76,7 +76,7 @@ pub(super) fn read(name: &str, file: &str, text: &str) -> Result<Recipe, TextErr
     })
 }
 
-fn read_model(source: Source<'_>, model: &Spanned<String>, document: &Document) -> Result<Kind, TextError> {
+fn read_model(source: Source<'_>, model: &Spanned<String>, document: &Document) -> Result<Kind, Box<TextError>> {
     if model.get_ref() != "milk" {
         let message = format!("there is no model called `{}`", model.get_ref());
         return Err(source.error(model.span(), message).with_help("models: milk"));
@@ -99,7 +99,7 @@ fn read_model(source: Source<'_>, model: &Spanned<String>, document: &Document) 
     Ok(Kind::Milk(values))
 }
 
-fn read_mixture(source: Source<'_>, document: &Document) -> Result<Medium, TextError> {
+fn read_mixture(source: Source<'_>, document: &Document) -> Result<Medium, Box<TextError>> {
     if let Some(inputs) = &document.inputs {
         return Err(source.error(inputs.span(), "`[inputs]` belongs to a recipe with a `model`"));
     }
@@ -131,7 +131,7 @@ fn read_inclusion(
     source: Source<'_>,
     entry: &Spanned<InclusionSpec>,
     temperature: f64,
-) -> Result<Inclusion, TextError> {
+) -> Result<Inclusion, Box<TextError>> {
     let spec = entry.get_ref();
     let index = spec.refractive_index.as_ref();
     let substance = read_substance(source, entry.span(), spec.substance.as_ref(), index, temperature)?;
@@ -151,7 +151,7 @@ fn read_substance(
     name: Option<&Spanned<String>>,
     index: Option<&Spanned<String>>,
     temperature: f64,
-) -> Result<Substance, TextError> {
+) -> Result<Substance, Box<TextError>> {
     match (name, index) {
         (Some(name), None) => Substance::named(name.get_ref(), temperature).ok_or_else(|| {
             let nearest = nearest_names(name.get_ref(), Substance::NAMES);

@@ -30,7 +30,10 @@ const KINDS: &str = "monodisperse (radius), log-normal (weighting; mean and devi
                      or median and geometric_deviation; minimum, maximum), \
                      transformed-log-normal (maximum, mean_ratio, deviation_ratio)";
 
-pub(super) fn size_distribution(source: Source<'_>, spec: &Spanned<SizeSpec>) -> Result<SizeDistribution, TextError> {
+pub(super) fn size_distribution(
+    source: Source<'_>,
+    spec: &Spanned<SizeSpec>,
+) -> Result<SizeDistribution, Box<TextError>> {
     let reader = Reader { source, spec };
     match spec.get_ref().kind.get_ref().as_str() {
         "monodisperse" => reader.monodisperse(),
@@ -49,13 +52,13 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn monodisperse(&self) -> Result<SizeDistribution, TextError> {
+    fn monodisperse(&self) -> Result<SizeDistribution, Box<TextError>> {
         self.only(&["radius"])?;
         let radius = self.length("radius", self.spec.get_ref().radius.as_ref())?;
         SizeDistribution::monodisperse(radius).map_err(|e| self.whole(e))
     }
 
-    fn log_normal(&self) -> Result<SizeDistribution, TextError> {
+    fn log_normal(&self) -> Result<SizeDistribution, Box<TextError>> {
         self.only(&[
             "weighting",
             "mean",
@@ -91,7 +94,7 @@ impl Reader<'_> {
         Ok(SizeDistribution::LogNormal(sizes))
     }
 
-    fn transformed_log_normal(&self) -> Result<SizeDistribution, TextError> {
+    fn transformed_log_normal(&self) -> Result<SizeDistribution, Box<TextError>> {
         self.only(&["maximum", "mean_ratio", "deviation_ratio"])?;
         let spec = self.spec.get_ref();
         let maximum = self.length("maximum", spec.maximum.as_ref())?;
@@ -101,7 +104,7 @@ impl Reader<'_> {
         Ok(SizeDistribution::TransformedLogNormal(sizes))
     }
 
-    fn weighting(&self) -> Result<Weighting, TextError> {
+    fn weighting(&self) -> Result<Weighting, Box<TextError>> {
         let help = "weightings: number, surface, volume";
         let Some(weighting) = &self.spec.get_ref().weighting else {
             return Err(self.whole("a log-normal needs its `weighting`: what the distribution counts").with_help(help));
@@ -117,7 +120,7 @@ impl Reader<'_> {
     }
 
     /// Refuses keys that have no meaning for the kind.
-    fn only(&self, allowed: &[&str]) -> Result<(), TextError> {
+    fn only(&self, allowed: &[&str]) -> Result<(), Box<TextError>> {
         let spec = self.spec.get_ref();
         let texts = [
             ("radius", &spec.radius),
@@ -145,17 +148,17 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn length(&self, key: &str, value: Option<&Spanned<String>>) -> Result<f64, TextError> {
+    fn length(&self, key: &str, value: Option<&Spanned<String>>) -> Result<f64, Box<TextError>> {
         let value = value.ok_or_else(|| self.whole(format!("`{key}` is missing")))?;
         let length = Length::parse_positive(value.get_ref()).map_err(|e| self.source.error(value.span(), e))?;
         Ok(length.metres())
     }
 
-    fn number(&self, key: &str, value: Option<&Spanned<f64>>) -> Result<f64, TextError> {
+    fn number(&self, key: &str, value: Option<&Spanned<f64>>) -> Result<f64, Box<TextError>> {
         value.map(|v| *v.get_ref()).ok_or_else(|| self.whole(format!("`{key}` is missing")))
     }
 
-    fn whole(&self, message: impl ToString) -> TextError {
+    fn whole(&self, message: impl ToString) -> Box<TextError> {
         self.source.error(self.spec.span(), message)
     }
 }

@@ -30,7 +30,7 @@ pub enum Job {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Report {
     /// Of [`Job::Optics`].
-    Optics(OpticsReport),
+    Optics(Box<OpticsReport>),
     /// Of [`Job::Render`].
     Render(Box<RenderReport>),
 }
@@ -42,7 +42,7 @@ impl Job {
     /// [`JobError`]; nothing is written then that was not whole already.
     pub fn run(&self, context: &Context<'_>) -> Result<Report, JobError> {
         match self {
-            Self::Optics(job) => job.run(context).map(Report::Optics),
+            Self::Optics(job) => job.run(context).map(|report| Report::Optics(Box::new(report))),
             Self::Render(job) => job.run(context).map(|report| Report::Render(Box::new(report))),
         }
     }
