@@ -4,10 +4,15 @@
 //! (`bohren1979`); the scattering cross section has no unique meaning there, and every result names the definition
 //! it follows ([`ScatteringDefinition`]).
 
-mod riccati;
+mod elementary;
+mod host;
+mod kernel;
+mod lanes;
 mod sphere;
+mod sums;
+mod weights;
 
-pub use sphere::{SphereScattering, scatter_sphere};
+pub use sphere::{Sphere, SphereScattering, scatter_sphere, scatter_spheres};
 
 /// What "scattering cross section" means in an absorbing host; in a lossless one the definitions agree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

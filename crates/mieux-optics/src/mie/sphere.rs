@@ -1,11 +1,28 @@
-//! A homogeneous sphere in a host that may absorb: cross sections, asymmetry, forward amplitude.
+//! Homogeneous spheres in a host that may absorb: cross sections, asymmetry, forward amplitude.
 
+use std::cmp::Ordering;
 use std::f64::consts::PI;
 
 use num_complex::Complex64;
+use pulp::{Simd, WithSimd};
 
-use super::riccati::{Zeta, psi_ratios, series_order};
+use super::elementary::NARROW;
+use super::host::{Absorbing, Lossless, Opaque};
+use super::kernel::{Group, downward, upward};
+use super::lanes::MAX_LANES;
+use super::sums::{SphereSums, Sums};
+use super::weights::Weights;
 use super::{MieError, ScatteringDefinition};
+
+/// One homogeneous sphere in a plane wave; everything in it has been checked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sphere {
+    wavelength: f64,
+    /// Vacuum wave number times radius.
+    k0r: f64,
+    host: Complex64,
+    particle: Complex64,
+}
 
 /// What one sphere does to a plane wave.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,39 +44,50 @@ pub struct SphereScattering {
     pub definition: ScatteringDefinition,
 }
 
-/// Scattering by a sphere of radius `radius_m` (m) and refractive index `particle` in a host of index `host`, at the
-/// vacuum wavelength `wavelength_m` (m).
-///
-/// Relative accuracy is about 1e-13 up to size parameters of 1e3 and degrades to about 1e-10 at 1e6, where the last bit
-/// of the size parameter itself matters as much.
-///
-/// Source: `frisvad2007` section 2.1, with the signs of `zeta_n` made consistent; recurrences in the ratios of
-/// successive orders ([`super::riccati`]).
-///
-/// # Errors
-/// [`MieError`] when a length or index is out of range, when the modulus of either size parameter is outside
-/// 1e-8..1e7, or when the host absorbs more than `exp(-700)` across the particle.
-pub fn scatter_sphere(
-    radius_m: f64,
-    wavelength_m: f64,
-    host: Complex64,
-    particle: Complex64,
-) -> Result<SphereScattering, MieError> {
-    check_length("radius", radius_m)?;
-    check_length("wavelength", wavelength_m)?;
-    check_index("host", host)?;
-    check_index("particle", particle)?;
-    let k0r = 2.0 * PI * radius_m / wavelength_m;
-    let (x, y) = (host * k0r, particle * k0r);
-    for modulus in [x.norm(), y.norm()] {
-        if !(1e-8..=1e7).contains(&modulus) {
-            return Err(MieError::SizeParameter { modulus });
+impl SphereScattering {
+    /// By nothing at all.
+    fn none(definition: ScatteringDefinition) -> Self {
+        Self {
+            size_parameter: Complex64::ZERO,
+            extinction: 0.0,
+            scattering: 0.0,
+            absorption: 0.0,
+            asymmetry: 0.0,
+            forward: Complex64::ZERO,
+            definition,
         }
     }
-    if 2.0 * x.im > 700.0 {
-        return Err(MieError::HostAbsorption { exponent: 2.0 * x.im });
+}
+
+impl Sphere {
+    /// A sphere of radius `radius` (m) and refractive index `particle` in a host of index `host`, lit at the vacuum
+    /// wavelength `wavelength` (m).
+    ///
+    /// # Errors
+    /// [`MieError`] when a length is not positive and finite, an index outside the range it names, the modulus of
+    /// either size parameter outside 1e-8..1e7, or when the host absorbs more than `exp(-700)` across the particle.
+    pub fn new(radius: f64, wavelength: f64, host: Complex64, particle: Complex64) -> Result<Self, MieError> {
+        check_length("radius", radius)?;
+        check_length("wavelength", wavelength)?;
+        check_index("host", host)?;
+        check_index("particle", particle)?;
+        let sphere = Self { wavelength, k0r: 2.0 * PI * radius / wavelength, host, particle };
+        let (x, y) = sphere.size_parameters();
+        for modulus in [x.norm(), y.norm()] {
+            if !(1e-8..=1e7).contains(&modulus) {
+                return Err(MieError::SizeParameter { modulus });
+            }
+        }
+        if 2.0 * x.im > 700.0 {
+            return Err(MieError::HostAbsorption { exponent: 2.0 * x.im });
+        }
+        Ok(sphere)
     }
-    Ok(cross_sections(wavelength_m, host, x, &sum_series(k0r, host, particle)))
+
+    /// In the host and in the particle.
+    fn size_parameters(&self) -> (Complex64, Complex64) {
+        (self.host * self.k0r, self.particle * self.k0r)
+    }
 }
 
 fn check_length(name: &'static str, value_m: f64) -> Result<(), MieError> {
@@ -67,108 +95,227 @@ fn check_length(name: &'static str, value_m: f64) -> Result<(), MieError> {
 }
 
 fn check_index(name: &'static str, n: Complex64) -> Result<(), MieError> {
-    if n.re > 0.0 && n.im >= 0.0 && n.is_finite() { Ok(()) } else { Err(MieError::Index { name, re: n.re, im: n.im }) }
+    let possible = n.re > 0.0 && n.im >= 0.0 && (1e-6..=1e6).contains(&n.norm());
+    if possible { Ok(()) } else { Err(MieError::Index { name, re: n.re, im: n.im }) }
 }
 
-/// Sums over the orders, built from `a_n exp(2 i x)` and `b_n exp(2 i x)`, which never overflow.
-#[derive(Default)]
-struct Series {
-    /// Sum of `(2n + 1)(a_n + b_n)`.
-    forward: Complex64,
-    /// Sum of `(2n + 1)(|a_n|^2 + |b_n|^2)`.
-    scattering: f64,
-    /// Sum of `(2n + 1)(Re a_n - |a_n|^2 + ...)`, free of cancellation; of meaning in a lossless host only.
-    absorption: f64,
-    /// Numerator of the asymmetry, eq 26.
-    asymmetry: f64,
+/// Scattering by one sphere: [`Sphere::new`] and [`scatter_spheres`] in one.
+///
+/// # Errors
+/// As for [`Sphere::new`].
+pub fn scatter_sphere(
+    radius_m: f64,
+    wavelength_m: f64,
+    host: Complex64,
+    particle: Complex64,
+) -> Result<SphereScattering, MieError> {
+    let sphere = Sphere::new(radius_m, wavelength_m, host, particle)?;
+    let mut out = Vec::with_capacity(1);
+    scatter_spheres(&[sphere], ScatteringDefinition::default(), &mut out);
+    Ok(out[0])
 }
 
-fn sum_series(k0r: f64, host: Complex64, particle: Complex64) -> Series {
-    let (x, y) = (host * k0r, particle * k0r);
-    let order = series_order(x.norm());
-    let (mut rho_x, mut rho_y) = (Vec::new(), Vec::new());
-    psi_ratios(x, order, &mut rho_x);
-    psi_ratios(y, order, &mut rho_y);
+/// Order beyond which the terms of a series in size parameter `modulus` no longer count.
+///
+/// Beyond the edge `n = |x|` coefficients fall like `exp(-1.886 p^(3/2))` with `p = (n - |x|) / |x|^(1/3)`, which is eq
+/// 19 of `frisvad2007` with 7.25 (1e-16) where 4.3 gave 1e-8.
+fn series_order(modulus: f64) -> usize {
+    (modulus + 7.25 * modulus.cbrt() + 3.0) as usize
+}
 
-    let relative = particle / host;
-    // A_n(y) host - A_n(x) particle, with the leading terms of A_n collected.
-    let contrast = (host - particle) * (host + particle) / (host * particle) / k0r;
-    let (host_over_y, particle_over_x, inverse_x) = (relative.inv() / k0r, relative / k0r, x.inv());
-
-    let mut zeta = Zeta::new(x);
-    let mut series = Series::default();
-    let mut previous = (Complex64::ZERO, Complex64::ZERO);
-    for n in 1..=order {
-        let (scaled_zeta, q) = zeta.advance();
-        let (rx, ry, nf) = (rho_x[n], rho_y[n], n as f64);
-        let b_minus_a = q - inverse_x * (2.0 * nf + 1.0) + rx;
-        let psi_over_zeta = Complex64::I / (scaled_zeta * scaled_zeta * b_minus_a);
-        let numerator_a = contrast * (nf + 1.0) - host * ry + particle * rx;
-        let denominator_a = host_over_y * (nf + 1.0) + particle_over_x * nf - host * ry - particle * q;
-        let numerator_b = host * rx - particle * ry;
-        let denominator_b = Complex64::from((2.0 * nf + 1.0) / k0r) - particle * ry - host * q;
-        let a = psi_over_zeta * numerator_a / denominator_a;
-        let b = psi_over_zeta * numerator_b / denominator_b;
-
-        let weight = 2.0 * nf + 1.0;
-        series.forward += (a + b) * weight;
-        series.scattering += weight * (a.norm_sqr() + b.norm_sqr());
-        // Re a - |a|^2 = -Im L / |L zeta - zeta'|^2, L the logarithmic derivative that the particle imposes.
-        let loss_a = -((host_over_y * (nf + 1.0) - host * ry) * particle.conj()).im / denominator_a.norm_sqr();
-        let loss_b = (particle * ry).im * host.re / denominator_b.norm_sqr();
-        series.absorption += weight * (loss_a + loss_b) / scaled_zeta.norm_sqr();
-        let (a1, b1) = previous;
-        series.asymmetry += (nf - 1.0) * (nf + 1.0) / nf * (a1 * a.conj() + b1 * b.conj()).re
-            + weight / (nf * (nf + 1.0)) * (a * b.conj()).re;
-        previous = (a, b);
-        if n as f64 > x.norm() && a.norm_sqr().max(b.norm_sqr()) < 1e-36 * series.scattering {
-            break;
+/// Order from which a downward recurrence in `z` forgets its start before it reaches `order`.
+fn start_order(z: Complex64, order: usize) -> usize {
+    let top = series_order(z.norm()).max(order) + 16;
+    let nu = order as f64 + 0.5;
+    if z.im > 0.0 && nu < z.norm() {
+        // Per order the dominated solution shrinks by exp(-2 |Im theta|) against the other, where cos theta = nu / z.
+        let theta = (nu / z).acos();
+        let steps = 20.0 / theta.im.abs();
+        if steps < top as f64 {
+            return top.min(order + 16 + steps as usize);
         }
     }
-    series
+    top
 }
 
-fn cross_sections(wavelength_m: f64, host: Complex64, x: Complex64, series: &Series) -> SphereScattering {
-    let area = wavelength_m * wavelength_m / (2.0 * PI);
-    let phase = (-2.0 * Complex64::I * x).exp();
-    let forward = series.forward * phase / (host * host) * (area / (4.0 * PI));
-    // |a_n|^2 exp(-alpha) / gamma with |a_n|^2 = |scaled|^2 exp(2 alpha): one ratio that neither overflows nor cancels.
-    let scattering = area / host.norm_sqr() * series.scattering * surface_factor(2.0 * x.im);
-    let (extinction, absorption) = if host.im == 0.0 {
-        let absorption = area / host.norm_sqr() * series.absorption;
-        (scattering + absorption, absorption)
-    } else {
-        let extinction = 4.0 * PI * forward.re;
-        (extinction, extinction - scattering)
-    };
-    SphereScattering {
-        size_parameter: x,
-        extinction,
-        scattering,
-        absorption,
-        asymmetry: 2.0 * series.asymmetry / series.scattering,
-        forward,
-        definition: ScatteringDefinition::Frisvad2007,
+/// How a sphere's series is summed; spheres of one class go abreast. Small ones first, as input often comes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Class {
+    LosslessDown,
+    LosslessUp,
+    AbsorbingDown,
+    AbsorbingUp,
+    Opaque,
+}
+
+/// A sphere's place in the order in which spheres are put abreast.
+#[derive(Debug, Clone, Copy)]
+struct Member {
+    class: Class,
+    index: u32,
+    /// Modulus of the size parameter.
+    size: f64,
+}
+
+impl Member {
+    fn new(index: usize, sphere: &Sphere) -> Self {
+        let (x, y) = sphere.size_parameters();
+        let square = x.norm_sqr();
+        let up = x.re > 1.5 && y.im < NARROW && y.norm_sqr() >= square;
+        let class = match (x.im, up) {
+            (0.0, true) => Class::LosslessUp,
+            (0.0, false) => Class::LosslessDown,
+            (im, true) if im < NARROW => Class::AbsorbingUp,
+            (im, false) if im < NARROW => Class::AbsorbingDown,
+            _ => Class::Opaque,
+        };
+        Self { class, index: index as u32, size: square.sqrt() }
+    }
+
+    fn order(&self, other: &Self) -> Ordering {
+        self.class.cmp(&other.class).then(self.size.total_cmp(&other.size))
     }
 }
 
-/// `exp(alpha) / gamma(alpha)` with `gamma = 2 (1 + (alpha - 1) exp(alpha)) / alpha^2` (eq 24), that is
-/// `alpha^2 / (2 (exp(-alpha) - 1 + alpha))`; 1 at `alpha = 0`.
-fn surface_factor(alpha: f64) -> f64 {
+fn group(spheres: &[Sphere], members: &[Member]) -> Group {
+    let mut group = Group {
+        k0r: [0.0; MAX_LANES],
+        host_re: [0.0; MAX_LANES],
+        host_im: [0.0; MAX_LANES],
+        particle_re: [0.0; MAX_LANES],
+        particle_im: [0.0; MAX_LANES],
+        order: series_order(members[members.len() - 1].size),
+        start: [0; 2],
+        smallest: f64::INFINITY,
+    };
+    for lane in 0..MAX_LANES {
+        let sphere = &spheres[members[lane.min(members.len() - 1)].index as usize];
+        group.k0r[lane] = sphere.k0r;
+        group.host_re[lane] = sphere.host.re;
+        group.host_im[lane] = sphere.host.im;
+        group.particle_re[lane] = sphere.particle.re;
+        group.particle_im[lane] = sphere.particle.im;
+    }
+    if !matches!(members[0].class, Class::LosslessUp | Class::AbsorbingUp) {
+        for member in members {
+            let (x, y) = spheres[member.index as usize].size_parameters();
+            for (start, z) in group.start.iter_mut().zip([x, y]) {
+                *start = start_order(z, group.order).max(*start);
+                group.smallest = group.smallest.min(z.norm());
+            }
+        }
+    }
+    group
+}
+
+/// Scattering by many spheres, appended to `out` in their order. One thread, several spheres abreast in vector
+/// registers: neighbours in size go together, so any order of input will do.
+///
+/// Source: `frisvad2007` section 2.1 with the signs of `zeta_n` made consistent.
+pub fn scatter_spheres(spheres: &[Sphere], definition: ScatteringDefinition, out: &mut Vec<SphereScattering>) {
+    pulp::Arch::new().dispatch(ScatterSpheres { spheres, definition, out });
+}
+
+struct ScatterSpheres<'a> {
+    spheres: &'a [Sphere],
+    definition: ScatteringDefinition,
+    out: &'a mut Vec<SphereScattering>,
+}
+
+impl WithSimd for ScatterSpheres<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { spheres, definition, out } = self;
+        let mut members: Vec<Member> = spheres.iter().enumerate().map(|(i, s)| Member::new(i, s)).collect();
+        if !members.is_sorted_by(|a, b| a.order(b).is_le()) {
+            members.sort_unstable_by(Member::order);
+        }
+        let first = out.len();
+        out.resize(first + spheres.len(), SphereScattering::none(definition));
+        let out = &mut out[first..];
+        let mut weights = Weights::new();
+        let (mut real, mut complex) = (Vec::new(), Vec::new());
+        for class in members.chunk_by(|a, b| a.class == b.class) {
+            let scaled = class[0].class == Class::Opaque;
+            for members in class.chunks(S::F64_LANES) {
+                let group = &group(spheres, members);
+                let (mut plain, mut far) = (Sums::<S, false>::new(simd), Sums::<S, true>::new(simd));
+                let weights = &mut weights;
+                match members[0].class {
+                    Class::LosslessUp => upward::<S, Lossless>(simd, group, weights, &mut plain),
+                    Class::LosslessDown => downward::<S, Lossless>(simd, group, weights, &mut real, &mut plain),
+                    Class::AbsorbingUp => upward::<S, Absorbing>(simd, group, weights, &mut plain),
+                    Class::AbsorbingDown => downward::<S, Absorbing>(simd, group, weights, &mut complex, &mut plain),
+                    Class::Opaque => downward::<S, Opaque>(simd, group, weights, &mut complex, &mut far),
+                }
+                let sums = if scaled { far.finish() } else { plain.finish() };
+                for (lane, member) in members.iter().enumerate() {
+                    let i = member.index as usize;
+                    out[i] = cross_sections(&spheres[i], &sums.lane(lane), scaled, definition);
+                }
+            }
+        }
+    }
+}
+
+/// Cross sections from sums; `scaled` says that every coefficient lacks a factor of `exp(-2 i x)`.
+fn cross_sections(
+    sphere: &Sphere,
+    sums: &SphereSums,
+    scaled: bool,
+    definition: ScatteringDefinition,
+) -> SphereScattering {
+    let host = sphere.host;
+    let (x, _) = sphere.size_parameters();
+    let area = sphere.wavelength * sphere.wavelength / (2.0 * PI * host.norm_sqr());
+    let asymmetry = if sums.scattering > 0.0 { 2.0 * sums.asymmetry / sums.scattering } else { 0.0 };
+    let (extinction, scattering, absorption, forward);
+    if scaled {
+        let turn = host.conj() / host;
+        forward = sums.forward * (-2.0 * Complex64::I * x).exp() * turn * (area / (4.0 * PI));
+        extinction = 4.0 * PI * forward.re;
+        scattering = area * sums.scattering * (1.0 + surface_excess(2.0 * x.im));
+        absorption = extinction - scattering;
+    } else {
+        let (excess, turned) = if x.im == 0.0 { (0.0, Complex64::ZERO) } else { host_effects(host, x, sums.forward) };
+        // The real part of the amplitude less the scattering, with their leading terms, which cancel, left out.
+        scattering = area * sums.scattering * (1.0 + excess);
+        absorption = area * (sums.loss + turned.re - excess * sums.scattering);
+        extinction = scattering + absorption;
+        forward = Complex64::new(extinction, area * (sums.forward.im + turned.im)) / (4.0 * PI);
+    }
+    SphereScattering { size_parameter: x, extinction, scattering, absorption, asymmetry, forward, definition }
+}
+
+/// By how much a weakly absorbing host raises the scattering at the surface of the particle (relative), and what it adds
+/// to the sum of amplitudes when that is divided by the square of its index in place of the squared modulus.
+fn host_effects(host: Complex64, x: Complex64, amplitude: Complex64) -> (f64, Complex64) {
+    let alpha = 2.0 * x.im;
+    let surface = surface_excess(alpha);
+    let excess = surface + (1.0 + surface) * (-2.0 * alpha).exp_m1();
+    // conj(n)/n - 1
+    let turn = Complex64::new(-2.0 * host.im * host.im, -2.0 * host.re * host.im) / host.norm_sqr();
+    (excess, amplitude * turn)
+}
+
+/// `exp(alpha) / gamma(alpha) - 1` with `gamma = 2 (1 + (alpha - 1) exp(alpha)) / alpha^2` (eq 24), that is
+/// `alpha^2 / (2 (exp(-alpha) - 1 + alpha)) - 1`; 0 at `alpha = 0`.
+fn surface_excess(alpha: f64) -> f64 {
     if alpha < 0.5 {
-        // 2 (exp(-alpha) - 1 + alpha) / alpha^2 as its series; twelve terms leave less than 1e-17.
+        // 2 (exp(-alpha) - 1 + alpha) / alpha^2 is 1 plus this series; twelve terms leave less than 1e-17.
         let mut term = 1.0;
-        let mut sum = 1.0;
+        let mut rest = 0.0;
         for k in 3..15 {
             term *= -alpha / f64::from(k);
-            sum += term;
+            rest += term;
         }
-        1.0 / sum
+        -rest / (1.0 + rest)
     } else {
-        alpha * alpha / (2.0 * ((-alpha).exp() - 1.0 + alpha))
+        alpha * alpha / (2.0 * ((-alpha).exp() - 1.0 + alpha)) - 1.0
     }
 }
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -249,13 +396,13 @@ mod tests {
     }
 
     #[test]
-    fn the_surface_factor_joins_its_series() {
+    fn the_surface_excess_joins_its_series() {
         let gamma = |a: f64| 2.0 * (1.0 + (a - 1.0) * a.exp()) / (a * a);
         for a in [0.3f64, 0.4999, 0.5001, 2.0, 20.0] {
-            close(surface_factor(a), a.exp() / gamma(a), 1e-12);
+            close(1.0 + surface_excess(a), a.exp() / gamma(a), 1e-12);
         }
-        assert_eq!(surface_factor(0.0), 1.0);
-        assert!(surface_factor(1e6).is_finite());
+        assert_eq!(surface_excess(0.0), 0.0);
+        assert!(surface_excess(1e6).is_finite());
     }
 
     #[test]

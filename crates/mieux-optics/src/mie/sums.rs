@@ -1,0 +1,89 @@
+//! What the coefficients add up to.
+
+use num_complex::Complex64;
+use pulp::Simd;
+
+use super::kernel::{Sink, Term};
+use super::lanes::{Cx, LaneArray, Re};
+use super::weights::Weight;
+
+/// Sums over all orders, abreast. Unless the waves are scaled, the real part of `forward` is left to the other sums.
+pub(super) struct Sums<S: Simd, const SCALED: bool> {
+    forward: Cx<S>,
+    scattering: Re<S>,
+    loss: Re<S>,
+    asymmetry: Re<S>,
+    previous: (Cx<S>, Cx<S>),
+}
+
+/// The sums of one sphere.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SphereSums {
+    /// Sum of `(2n + 1)(a_n + b_n)`.
+    pub forward: Complex64,
+    /// Sum of `(2n + 1)(|a_n|^2 + |b_n|^2)`.
+    pub scattering: f64,
+    /// Sum of `(2n + 1)(Re a_n - |a_n|^2 + Re b_n - |b_n|^2)`.
+    pub loss: f64,
+    /// Half the numerator of the asymmetry, eq 26 of `frisvad2007`.
+    pub asymmetry: f64,
+}
+
+/// The sums of several spheres as plain memory.
+pub(super) struct GroupSums {
+    forward_re: LaneArray,
+    forward_im: LaneArray,
+    scattering: LaneArray,
+    loss: LaneArray,
+    asymmetry: LaneArray,
+}
+
+impl<S: Simd, const SCALED: bool> Sums<S, SCALED> {
+    #[inline(always)]
+    pub fn new(simd: S) -> Self {
+        let zero = Re::splat(simd, 0.0);
+        let z = Cx { re: zero, im: zero };
+        Self { forward: z, scattering: zero, loss: zero, asymmetry: zero, previous: (z, z) }
+    }
+
+    #[inline(always)]
+    pub fn finish(self) -> GroupSums {
+        GroupSums {
+            forward_re: if SCALED { self.forward.re } else { self.scattering + self.loss }.lanes(),
+            forward_im: self.forward.im.lanes(),
+            scattering: self.scattering.lanes(),
+            loss: self.loss.lanes(),
+            asymmetry: self.asymmetry.lanes(),
+        }
+    }
+}
+
+impl<S: Simd, const SCALED: bool> Sink<S> for Sums<S, SCALED> {
+    #[inline(always)]
+    fn take(&mut self, weight: &Weight, Term { a, b, square, loss }: Term<S>) {
+        let factor = loss.same(weight.factor);
+        if SCALED {
+            self.forward.re = factor.mul_add(a.re + b.re, self.forward.re);
+        }
+        self.forward.im = factor.mul_add(a.im + b.im, self.forward.im);
+        self.scattering = factor.mul_add(square, self.scattering);
+        self.loss = factor.mul_add(loss, self.loss);
+        let (a0, b0) = self.previous;
+        let beside = a0.dot_add(a, b0.dot(b));
+        let neighbours = loss.same(weight.neighbours).mul_add(beside, self.asymmetry);
+        self.asymmetry = loss.same(weight.pair).mul_add(a.dot(b), neighbours);
+        self.previous = (a, b);
+    }
+}
+
+impl GroupSums {
+    #[inline(always)]
+    pub fn lane(&self, i: usize) -> SphereSums {
+        SphereSums {
+            forward: Complex64::new(self.forward_re[i], self.forward_im[i]),
+            scattering: self.scattering[i],
+            loss: self.loss[i],
+            asymmetry: self.asymmetry[i],
+        }
+    }
+}
