@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use std::hint::black_box;
 
 use mieux_optics::Complex64;
-use mieux_optics::mie::{ScatteringDefinition, Sphere, scatter_spheres};
+use mieux_optics::mie::{Directions, PlaneWave, Sphere, scatter_spheres};
 use rustix::time::{ClockId, clock_gettime};
 
 fn log_spaced(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
@@ -15,9 +15,9 @@ fn log_spaced(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
 }
 
 fn spheres(from: f64, to: f64, count: usize) -> Vec<Sphere> {
-    let one = Complex64::new(1.0, 0.0);
+    let wave = PlaneWave::new(1.0, Complex64::new(1.0, 0.0)).expect("within range");
     log_spaced(from, to, count)
-        .map(|x| Sphere::new(x / (2.0 * PI), 1.0, one, Complex64::new(1.5, 0.01)).expect("within range"))
+        .map(|x| Sphere::new(wave, x / (2.0 * PI), Complex64::new(1.5, 0.01)).expect("within range"))
         .collect()
 }
 
@@ -26,10 +26,9 @@ fn population(host_im: f64) -> Vec<Sphere> {
     let mut all = Vec::new();
     for i in 0..17 {
         let wavelength = (380.0 + 25.0 * f64::from(i)) * 1e-9;
-        for radius in log_spaced(1e-8, 1e-5, 1000) {
-            let host = Complex64::new(1.33, host_im);
-            all.push(Sphere::new(radius, wavelength, host, Complex64::new(1.5, 0.01)).expect("within range"));
-        }
+        let wave = PlaneWave::new(wavelength, Complex64::new(1.33, host_im)).expect("within range");
+        let radii = log_spaced(1e-8, 1e-5, 1000);
+        all.extend(radii.map(|r| Sphere::new(wave, r, Complex64::new(1.5, 0.01)).expect("within range")));
     }
     all
 }
@@ -46,11 +45,24 @@ fn time(name: &str, spheres: &[Sphere]) {
     for _ in 0..9 {
         out.clear();
         let start = cpu_seconds();
-        scatter_spheres(black_box(spheres), ScatteringDefinition::default(), &mut out);
+        scatter_spheres(black_box(spheres), &mut out);
         best = best.min(cpu_seconds() - start);
         black_box(&out);
     }
     println!("{{\"workload\": \"{name}\", \"spheres\": {}, \"cpu_seconds\": {best:e}}}", spheres.len());
+}
+
+fn time_amplitudes(spheres: &[Sphere]) {
+    let mut best = f64::INFINITY;
+    for _ in 0..5 {
+        let start = cpu_seconds();
+        let directions = Directions::uniform(1801);
+        for sphere in black_box(spheres) {
+            black_box(sphere.coefficients().amplitudes(&directions));
+        }
+        best = best.min(cpu_seconds() - start);
+    }
+    println!("{{\"workload\": \"amplitudes\", \"spheres\": {}, \"cpu_seconds\": {best:e}}}", spheres.len());
 }
 
 fn main() {
@@ -67,5 +79,8 @@ fn main() {
         if wanted.is_empty() || wanted.iter().any(|w| w == name) {
             time(name, spheres);
         }
+    }
+    if wanted.is_empty() || wanted.iter().any(|w| w == "amplitudes") {
+        time_amplitudes(&spheres(1.0, 100.0, 1000));
     }
 }

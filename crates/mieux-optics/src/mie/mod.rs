@@ -4,15 +4,21 @@
 //! (`bohren1979`); the scattering cross section has no unique meaning there, and every result names the definition
 //! it follows ([`ScatteringDefinition`]).
 
+mod amplitude;
+mod coefficients;
 mod elementary;
 mod host;
 mod kernel;
 mod lanes;
 mod sphere;
 mod sums;
+mod wave;
 mod weights;
 
-pub use sphere::{Sphere, SphereScattering, scatter_sphere, scatter_spheres};
+pub use amplitude::{Directions, Mueller};
+pub use coefficients::Coefficients;
+pub use sphere::{Sphere, scatter_sphere, scatter_spheres};
+pub use wave::{PlaneWave, SphereScattering};
 
 /// What "scattering cross section" means in an absorbing host; in a lossless one the definitions agree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -21,6 +27,9 @@ pub enum ScatteringDefinition {
     /// eq 23-24 of `frisvad2007`, after `mundy1974`.
     #[default]
     Frisvad2007,
+    /// What a detector in the far field receives, referred to the incident intensity at the centre of the particle as if
+    /// it were not there: eq 33-35 of `mishchenko2018`. Extinction carries `1 / Re k` in place of `Re(1 / k)`.
+    MishchenkoYang2018,
 }
 
 /// Why a sphere could not be computed.
@@ -34,9 +43,9 @@ pub enum MieError {
         /// What was given, m.
         value_m: f64,
     },
-    /// An index must have a positive real part and an imaginary part that is not negative.
+    /// An index must have a positive real part, an imaginary part that is not negative and a modulus in 1e-6..1e6.
     #[error(
-        "refractive index {re}{im:+}i of the {name}: the real part must be positive, the imaginary part zero or more"
+        "refractive index {re}{im:+}i of the {name}: the real part must be positive, the imaginary part zero or more, the modulus between 1e-6 and 1e6"
     )]
     Index {
         /// `host` or `particle`.
@@ -53,9 +62,11 @@ pub enum MieError {
         modulus: f64,
     },
     /// The host absorbs so much over one particle that the extinction cross section leaves the range of numbers.
-    #[error("the host absorbs exp(-{exponent:.0}) over one particle; its extinction cross section overflows")]
+    #[error("the host absorbs exp(-{exponent:.0}) over one particle; beyond exp(-{most:.0}) cross sections overflow")]
     HostAbsorption {
         /// Twice the imaginary part of the size parameter.
         exponent: f64,
+        /// Largest exponent that is possible with the definition of scattering in use.
+        most: f64,
     },
 }

@@ -1,0 +1,207 @@
+//! The plane wave that lights a particle, and the cross sections that sums of coefficients amount to in it.
+
+use std::f64::consts::PI;
+
+use num_complex::Complex64;
+
+use super::sums::SphereSums;
+use super::{MieError, ScatteringDefinition};
+
+/// Twice the imaginary part of a size parameter, above which cross sections leave the range of numbers.
+const MAX_EXPONENT: f64 = 680.0;
+
+/// A plane wave in a host that may absorb; everything in it has been checked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaneWave {
+    wavelength: f64,
+    host: Complex64,
+    definition: ScatteringDefinition,
+}
+
+/// What one particle does to a plane wave.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SphereScattering {
+    /// Size parameter in the host, `2 pi r n_host / wavelength`; complex when the host absorbs.
+    pub size_parameter: Complex64,
+    /// Extinction cross section in m^2, relative to the host; negative where the particle takes the place of a host that
+    /// would have absorbed more.
+    pub extinction: f64,
+    /// Scattering cross section in m^2, never negative, by `definition`.
+    pub scattering: f64,
+    /// Absorption cross section in m^2: extinction minus scattering; never negative in a lossless host.
+    pub absorption: f64,
+    /// Mean cosine of scattering, in (-1, 1) (eq 26 of `frisvad2007`); 0 where nothing is scattered.
+    pub asymmetry: f64,
+    /// `S(0) / k^2` in m^2, with the complex wave number `k` of the host: what shifts the refractive index of a medium.
+    pub forward: Complex64,
+    /// What scattering and extinction mean where the host absorbs.
+    pub definition: ScatteringDefinition,
+}
+
+impl SphereScattering {
+    /// By nothing at all.
+    pub(super) const NONE: Self = Self {
+        size_parameter: Complex64::ZERO,
+        extinction: 0.0,
+        scattering: 0.0,
+        absorption: 0.0,
+        asymmetry: 0.0,
+        forward: Complex64::ZERO,
+        definition: ScatteringDefinition::Frisvad2007,
+    };
+}
+
+impl PlaneWave {
+    /// A wave of the vacuum wavelength `wavelength` (m) in a host of refractive index `host`, whose scattering is to be
+    /// understood by [`ScatteringDefinition::Frisvad2007`].
+    ///
+    /// # Errors
+    /// [`MieError::Length`] or [`MieError::Index`].
+    pub fn new(wavelength: f64, host: Complex64) -> Result<Self, MieError> {
+        check_length("wavelength", wavelength)?;
+        check_index("host", host)?;
+        Ok(Self { wavelength, host, definition: ScatteringDefinition::default() })
+    }
+
+    /// The same wave, scattering understood otherwise.
+    pub fn with_definition(self, definition: ScatteringDefinition) -> Self {
+        Self { definition, ..self }
+    }
+
+    /// Vacuum wavelength, m.
+    pub fn wavelength(&self) -> f64 {
+        self.wavelength
+    }
+
+    /// Refractive index of the host.
+    pub fn host(&self) -> Complex64 {
+        self.host
+    }
+
+    /// What scattering means.
+    pub fn definition(&self) -> ScatteringDefinition {
+        self.definition
+    }
+
+    /// Complex wave number in the host, 1/m.
+    pub fn wave_number(&self) -> Complex64 {
+        self.host * (2.0 * PI / self.wavelength)
+    }
+
+    /// Vacuum wave number times a radius (m).
+    pub(super) fn k0r(&self, radius: f64) -> f64 {
+        2.0 * PI * radius / self.wavelength
+    }
+
+    /// Checks that the host does not absorb too much over a particle of outer size `k0r`.
+    pub(super) fn check_absorption(&self, k0r: f64) -> Result<(), MieError> {
+        let exponent = 2.0 * self.host.im * k0r;
+        let most = match self.definition {
+            ScatteringDefinition::Frisvad2007 => MAX_EXPONENT,
+            ScatteringDefinition::MishchenkoYang2018 => 0.5 * MAX_EXPONENT,
+        };
+        if exponent > most { Err(MieError::HostAbsorption { exponent, most }) } else { Ok(()) }
+    }
+
+    /// Cross sections of a particle of outer size `k0r`; `scaled` says that every coefficient lacks a factor of
+    /// `exp(-2 i x)`.
+    ///
+    /// Extinction is put together from scattering and absorption, each known without cancellation.
+    pub(super) fn cross_sections(&self, k0r: f64, sums: &SphereSums, scaled: bool) -> SphereScattering {
+        let (x, host) = (self.host * k0r, self.host);
+        let area = self.wavelength * self.wavelength / (2.0 * PI * host.norm_sqr());
+        let mut amplitude = sums.forward;
+        if scaled {
+            amplitude *= (-2.0 * Complex64::I * x).exp();
+        }
+        // conj(n)/n - 1
+        let turn = Complex64::new(-2.0 * host.im * host.im, -2.0 * host.re * host.im) / host.norm_sqr();
+        let turned = amplitude * turn;
+        let displaced = match self.definition {
+            ScatteringDefinition::Frisvad2007 => turned.re,
+            ScatteringDefinition::MishchenkoYang2018 => host.im / host.re * amplitude.im,
+        };
+        let (scattering, absorption) = if scaled {
+            let scattering = sums.scattering * self.scaled_surface(2.0 * x.im);
+            (scattering, amplitude.re + displaced - scattering)
+        } else {
+            let excess = if x.im == 0.0 { 0.0 } else { self.excess(2.0 * x.im) };
+            (sums.scattering * (1.0 + excess), sums.loss + displaced - excess * sums.scattering)
+        };
+        let asymmetry = if sums.scattering > 0.0 { 2.0 * sums.asymmetry / sums.scattering } else { 0.0 };
+        SphereScattering {
+            size_parameter: x,
+            extinction: area * (scattering + absorption),
+            scattering: area * scattering,
+            absorption: area * absorption,
+            asymmetry,
+            forward: (amplitude + turned) * (area / (4.0 * PI)),
+            definition: self.definition,
+        }
+    }
+
+    /// By what the sum of squared moduli grows to be the scattering, less 1; `alpha` is twice the imaginary part of the
+    /// size parameter.
+    fn excess(&self, alpha: f64) -> f64 {
+        match self.definition {
+            ScatteringDefinition::MishchenkoYang2018 => 0.0,
+            ScatteringDefinition::Frisvad2007 => {
+                let surface = surface_excess(alpha);
+                surface + (1.0 + surface) * (-2.0 * alpha).exp_m1()
+            }
+        }
+    }
+
+    /// The same, not less 1, for the sum of squared moduli of scaled coefficients.
+    fn scaled_surface(&self, alpha: f64) -> f64 {
+        match self.definition {
+            ScatteringDefinition::MishchenkoYang2018 => (2.0 * alpha).exp(),
+            ScatteringDefinition::Frisvad2007 => 1.0 + surface_excess(alpha),
+        }
+    }
+}
+
+pub(super) fn check_length(name: &'static str, value_m: f64) -> Result<(), MieError> {
+    if value_m > 0.0 && value_m.is_finite() { Ok(()) } else { Err(MieError::Length { name, value_m }) }
+}
+
+pub(super) fn check_index(name: &'static str, n: Complex64) -> Result<(), MieError> {
+    let possible = n.re > 0.0 && n.im >= 0.0 && (1e-12..=1e12).contains(&n.norm_sqr());
+    if possible { Ok(()) } else { Err(MieError::Index { name, re: n.re, im: n.im }) }
+}
+
+pub(super) fn check_size_parameter(z: Complex64) -> Result<(), MieError> {
+    let square = z.norm_sqr();
+    if (1e-16..=1e14).contains(&square) { Ok(()) } else { Err(MieError::SizeParameter { modulus: square.sqrt() }) }
+}
+
+/// `exp(alpha) / gamma(alpha) - 1` with `gamma = 2 (1 + (alpha - 1) exp(alpha)) / alpha^2` (eq 24), that is
+/// `alpha^2 / (2 (exp(-alpha) - 1 + alpha)) - 1`; 0 at `alpha = 0`.
+fn surface_excess(alpha: f64) -> f64 {
+    if alpha < 0.5 {
+        // 2 (exp(-alpha) - 1 + alpha) / alpha^2 is 1 plus this series; twelve terms leave less than 1e-17.
+        let mut term = 1.0;
+        let mut rest = 0.0;
+        for k in 3..15 {
+            term *= -alpha / f64::from(k);
+            rest += term;
+        }
+        -rest / (1.0 + rest)
+    } else {
+        alpha * alpha / (2.0 * ((-alpha).exp() - 1.0 + alpha)) - 1.0
+    }
+}
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_surface_excess_joins_its_series() {
+        let gamma = |a: f64| 2.0 * (1.0 + (a - 1.0) * a.exp()) / (a * a);
+        for a in [0.3f64, 0.4999, 0.5001, 2.0, 20.0] {
+            assert!(((1.0 + surface_excess(a)) * gamma(a) / a.exp() - 1.0).abs() < 1e-12);
+        }
+        assert_eq!(surface_excess(0.0), 0.0);
+        assert!(surface_excess(1e6).is_finite());
+    }
+}
