@@ -112,7 +112,7 @@ def absorbing_hosts(sphere, add):
     for x in (1e-5, 1e-2):
         sphere("small-in-host", x, 0.05 + 3j, 1.33 + 1e-6j)
         sphere("small-in-host", x, 1.0, 1.33 + 1e-4j)
-        sphere("small-in-host", x, complex(1.33, 1e-9), 1.33 + 1e-9j + 1e-12)
+        sphere("small-in-host", x, 1.3300001 + 3e-9j, 1.33 + 1e-9j)
     for r, wavelength in product((5e-9, 5e-8, 5e-7, 1e-6, 5e-6, 5e-5), (4e-7, 7e-7)):
         add("milk", wavelength, 1.33 + 1e-9j, [(r, 1.46 + 1e-6j)])
     for r in (2e-8, 1.4e-7):
