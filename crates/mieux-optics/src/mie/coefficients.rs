@@ -93,4 +93,9 @@ impl<S: Simd, const SCALED: bool> Sink<S> for Keep<S, SCALED> {
         ]);
         self.sums.take(weight, term);
     }
+
+    #[inline(always)]
+    fn pause(&mut self) {
+        self.sums.pause();
+    }
 }

@@ -33,7 +33,7 @@ pub(super) struct Fraction<S: Simd> {
 impl<S: Simd> Fraction<S> {
     /// With `loss = Im(Y conj N)`, every other part is a sum of positive numbers, or nearly so.
     #[inline(always)]
-    fn new(loss: Re<S>, numerator: Cx<S>, second: Cx<S>) -> Self {
+    pub fn new(loss: Re<S>, numerator: Cx<S>, second: Cx<S>) -> Self {
         let square = numerator.norm_sqr();
         Self {
             over: Cx { re: square + loss, im: numerator.dot(second) },

@@ -6,12 +6,14 @@
 
 mod amplitude;
 mod coefficients;
+mod downward;
 mod elementary;
 mod host;
 mod kernel;
 mod lanes;
 mod sphere;
 mod sums;
+mod upward;
 mod wave;
 mod weights;
 
@@ -56,10 +58,16 @@ pub enum MieError {
         im: f64,
     },
     /// The size parameter (in the host or inside the particle) lies outside what double precision can carry.
-    #[error("size parameter {modulus:e} is outside 1e-8 to 1e7")]
+    #[error("size parameter {modulus:e} in the {name} is outside {least:e} to {most:e}")]
     SizeParameter {
+        /// `host` or `particle`.
+        name: &'static str,
         /// Modulus of the offending size parameter.
         modulus: f64,
+        /// Least that is possible.
+        least: f64,
+        /// Most that is possible.
+        most: f64,
     },
     /// The host absorbs so much over one particle that the extinction cross section leaves the range of numbers.
     #[error("the host absorbs exp(-{exponent:.0}) over one particle; beyond exp(-{most:.0}) cross sections overflow")]

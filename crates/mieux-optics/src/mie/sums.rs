@@ -14,6 +14,8 @@ pub(super) struct Sums<S: Simd, const SCALED: bool> {
     loss: Re<S>,
     asymmetry: Re<S>,
     previous: (Cx<S>, Cx<S>),
+    /// What earlier runs of orders added up to, so that rounding grows with the length of a run only.
+    earlier: [Re<S>; 5],
 }
 
 /// The sums of one sphere.
@@ -43,17 +45,19 @@ impl<S: Simd, const SCALED: bool> Sums<S, SCALED> {
     pub fn new(simd: S) -> Self {
         let zero = Re::splat(simd, 0.0);
         let z = Cx { re: zero, im: zero };
-        Self { forward: z, scattering: zero, loss: zero, asymmetry: zero, previous: (z, z) }
+        Self { forward: z, scattering: zero, loss: zero, asymmetry: zero, previous: (z, z), earlier: [zero; 5] }
     }
 
     #[inline(always)]
-    pub fn finish(self) -> GroupSums {
+    pub fn finish(mut self) -> GroupSums {
+        self.pause();
+        let [forward_re, forward_im, scattering, loss, asymmetry] = self.earlier;
         GroupSums {
-            forward_re: if SCALED { self.forward.re } else { self.scattering + self.loss }.lanes(),
-            forward_im: self.forward.im.lanes(),
-            scattering: self.scattering.lanes(),
-            loss: self.loss.lanes(),
-            asymmetry: self.asymmetry.lanes(),
+            forward_re: if SCALED { forward_re } else { scattering + loss }.lanes(),
+            forward_im: forward_im.lanes(),
+            scattering: scattering.lanes(),
+            loss: loss.lanes(),
+            asymmetry: asymmetry.lanes(),
         }
     }
 }
@@ -73,6 +77,17 @@ impl<S: Simd, const SCALED: bool> Sink<S> for Sums<S, SCALED> {
         let neighbours = loss.same(weight.neighbours).mul_add(beside, self.asymmetry);
         self.asymmetry = loss.same(weight.pair).mul_add(a.dot(b), neighbours);
         self.previous = (a, b);
+    }
+
+    #[inline(always)]
+    fn pause(&mut self) {
+        let zero = self.loss.same(0.0);
+        let Self { forward, scattering, loss, asymmetry, earlier, .. } = self;
+        let parts = [&mut forward.re, &mut forward.im, scattering, loss, asymmetry];
+        for (earlier, part) in earlier.iter_mut().zip(parts) {
+            *earlier = *earlier + *part;
+            *part = zero;
+        }
     }
 }
 

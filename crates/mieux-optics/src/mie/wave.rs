@@ -170,9 +170,16 @@ pub(super) fn check_index(name: &'static str, n: Complex64) -> Result<(), MieErr
     if possible { Ok(()) } else { Err(MieError::Index { name, re: n.re, im: n.im }) }
 }
 
-pub(super) fn check_size_parameter(z: Complex64) -> Result<(), MieError> {
-    let square = z.norm_sqr();
-    if (1e-16..=1e14).contains(&square) { Ok(()) } else { Err(MieError::SizeParameter { modulus: square.sqrt() }) }
+/// Size parameter in the host and inside the particle.
+pub(super) fn check_size_parameters(x: Complex64, y: Complex64) -> Result<(), MieError> {
+    for (name, z, range) in [("host", x, 1e-8..=1e7), ("particle", y, 1e-10..=1e9)] {
+        let modulus = z.norm_sqr().sqrt();
+        if !range.contains(&modulus) {
+            let (least, most) = range.into_inner();
+            return Err(MieError::SizeParameter { name, modulus, least, most });
+        }
+    }
+    Ok(())
 }
 
 /// `exp(alpha) / gamma(alpha) - 1` with `gamma = 2 (1 + (alpha - 1) exp(alpha)) / alpha^2` (eq 24), that is
