@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 use pulp::{Simd, WithSimd};
 
+use super::MieError;
 use super::coefficients::Coefficients;
 use super::lanes::{LaneArray, MAX_LANES, Re};
 
@@ -73,14 +74,22 @@ impl Directions {
 impl Coefficients {
     /// Amplitudes `[S1, S2]` (eq 4.74 of `bohren1983`, eq 11-12 of `frisvad2007`) for every direction.
     ///
-    /// They overflow where the host absorbs more than `exp(-680)`, which no particle that can be made does.
-    pub fn amplitudes(&self, directions: &Directions) -> Vec<[Complex64; 2]> {
-        let factor = self.factor();
-        self.stored_amplitudes(directions).into_iter().map(|s| s.map(|s| s * factor)).collect()
+    /// # Errors
+    /// [`MieError::Cancellation`] where the host absorbs so much that forward amplitudes are lost to rounding.
+    pub fn amplitudes(&self, directions: &Directions) -> Result<Vec<[Complex64; 2]>, MieError> {
+        let mut amplitudes = self.stored_amplitudes(directions)?;
+        if self.scaled {
+            let factor = self.factor();
+            amplitudes.iter_mut().flatten().for_each(|s| *s *= factor);
+        }
+        Ok(amplitudes)
     }
 
     /// Mueller matrix elements for every direction, normalised so that `p11` is the phase function.
-    pub fn mueller(&self, directions: &Directions) -> Vec<Mueller> {
+    ///
+    /// # Errors
+    /// As for [`Self::amplitudes`].
+    pub fn mueller(&self, directions: &Directions) -> Result<Vec<Mueller>, MieError> {
         let norm = if self.norm() > 0.0 { 1.0 / (2.0 * PI * self.norm()) } else { 0.0 };
         let element = |[s1, s2]: [Complex64; 2]| {
             let cross = s2 * s1.conj();
@@ -91,17 +100,23 @@ impl Coefficients {
                 p34: norm * cross.im,
             }
         };
-        self.stored_amplitudes(directions).into_iter().map(element).collect()
+        Ok(self.stored_amplitudes(directions)?.into_iter().map(element).collect())
     }
 
     /// Phase function in 1/sr for every direction.
-    pub fn phase_function(&self, directions: &Directions) -> Vec<f64> {
-        self.mueller(directions).into_iter().map(|m| m.p11).collect()
+    ///
+    /// # Errors
+    /// As for [`Self::amplitudes`].
+    pub fn phase_function(&self, directions: &Directions) -> Result<Vec<f64>, MieError> {
+        Ok(self.mueller(directions)?.into_iter().map(|m| m.p11).collect())
     }
 
     /// Amplitudes without the factor that the stored coefficients lack.
-    pub(super) fn stored_amplitudes(&self, directions: &Directions) -> Vec<[Complex64; 2]> {
-        pulp::Arch::new().dispatch(Fold { terms: &self.terms, directions })
+    pub(super) fn stored_amplitudes(&self, directions: &Directions) -> Result<Vec<[Complex64; 2]>, MieError> {
+        if self.scaled {
+            self.scattering()?;
+        }
+        Ok(pulp::Arch::new().dispatch(Fold { terms: &self.terms, directions }))
     }
 }
 
@@ -109,8 +124,8 @@ impl Coefficients {
 #[derive(Clone, Copy, Default)]
 struct Factors {
     n: f64,
-    /// `(n + 1) / n`
-    rise: f64,
+    /// `1 / n`
+    inverse: f64,
     /// `c_n a_n` and `c_n b_n` with `c_n = (2n + 1) / (n (n + 1))`: real and imaginary parts.
     scaled: [f64; 4],
 }
@@ -120,7 +135,7 @@ impl Factors {
         let n = i as f64 + 1.0;
         let c = (2.0 * n + 1.0) / (n * (n + 1.0));
         let scaled = [a.re * c, a.im * c, b.re * c, b.im * c];
-        Self { n, rise: (n + 1.0) / n, scaled }
+        Self { n, inverse: 1.0 / n, scaled }
     }
 }
 
@@ -160,25 +175,35 @@ impl WithSimd for Fold<'_> {
     }
 }
 
+/// Orders that are added up by themselves, so that rounding does not grow with their number; even.
+const RUN: usize = 512;
+
 /// Sums over odd and over even orders at non-negative cosines.
 #[inline(always)]
 fn fold<S: Simd>(factors: &[Factors], mu: Re<S>) -> [Sums<Re<S>>; 2] {
-    let zero = mu.same(0.0);
-    let mut out = [[zero; 8]; 2];
+    let (zero, twice) = (mu.same(0.0), mu + mu);
+    let mut total = [[zero; 8]; 2];
     let (mut before, mut pi) = (zero, mu.same(1.0));
-    for pair in factors.chunks_exact(2) {
-        for (sums, f) in out.iter_mut().zip(pair) {
-            let s = mu * pi;
-            let t = mu.mul_add(pi, zero - before);
-            let tau = mu.same(f.n).mul_add(t, zero - before);
-            for k in 0..4 {
-                sums[k] = mu.same(f.scaled[k]).mul_add(pi, sums[k]);
-                sums[k + 4] = mu.same(f.scaled[k]).mul_add(tau, sums[k + 4]);
+    for run in factors.chunks(RUN) {
+        let mut out = [[zero; 8]; 2];
+        for pair in run.chunks_exact(2) {
+            for (sums, f) in out.iter_mut().zip(pair) {
+                let t = mu.mul_add(pi, zero - before);
+                let s = twice.mul_add(pi, zero - before);
+                let tau = mu.same(f.n).mul_add(t, zero - before);
+                for k in 0..4 {
+                    sums[k] = mu.same(f.scaled[k]).mul_add(pi, sums[k]);
+                    sums[k + 4] = mu.same(f.scaled[k]).mul_add(tau, sums[k + 4]);
+                }
+                // s + t / n, which unlike (2n + 1)/n and (n + 1)/n is not biased by the rounding of a factor.
+                (before, pi) = (pi, mu.same(f.inverse).mul_add(t, s));
             }
-            (before, pi) = (pi, mu.same(f.rise).mul_add(t, s));
+        }
+        for (total, part) in total.iter_mut().flatten().zip(out.iter().flatten()) {
+            *total = *total + *part;
         }
     }
-    out
+    total
 }
 
 /// `S1` and `S2`, by the symmetries `pi_n(-mu) = (-1)^(n+1) pi_n(mu)` and `tau_n(-mu) = (-1)^n tau_n(mu)`.

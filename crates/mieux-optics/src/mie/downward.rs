@@ -109,7 +109,7 @@ pub(super) fn downward<S: Simd, H: Host<S>>(
     let run = ((GROWTH / growth.ln()) as usize).clamp(4, BLOCK);
     descend(&constants, group, run, checkpoints);
 
-    let [_, chi] = H::start(simd, constants.x);
+    let [_, chi] = H::start(simd, constants.x, constants.inverse_x);
     let mut chi = up(constants.inverse_x, constants.real(1.0), chi);
     let zero = Cx { re: constants.real(0.0), im: constants.real(0.0) };
     let mut kept = [(constants.x, zero, zero); BLOCK + 1];

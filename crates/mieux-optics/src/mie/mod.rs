@@ -77,4 +77,26 @@ pub enum MieError {
         /// Largest exponent that is possible with the definition of scattering in use.
         most: f64,
     },
+    /// In a host that absorbs much over one particle, what is reflected off its face outweighs the light that gets
+    /// through so far that the forward amplitude, in which reflections cancel, is lost to rounding.
+    #[error(
+        "the host absorbs exp(-{exponent:.0}) over one particle; extinction could only be given with a relative error of \
+         {error:.0e}"
+    )]
+    Cancellation {
+        /// Twice the imaginary part of the size parameter.
+        exponent: f64,
+        /// Relative error that rounding may cause.
+        error: f64,
+    },
+}
+
+/// Which of many spheres could not be computed, and why.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("sphere {index}: {source}")]
+pub struct SphereError {
+    /// Its place among the spheres given, from 0.
+    pub index: usize,
+    /// What was wrong.
+    pub source: MieError,
 }

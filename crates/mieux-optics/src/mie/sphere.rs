@@ -5,7 +5,6 @@ use std::cmp::Ordering;
 use num_complex::Complex64;
 use pulp::{Simd, WithSimd};
 
-use super::MieError;
 use super::coefficients::{Coefficients, Keep};
 use super::downward::{Checkpoint, downward};
 use super::elementary::NARROW;
@@ -16,6 +15,7 @@ use super::sums::Sums;
 use super::upward::upward;
 use super::wave::{PlaneWave, SphereScattering, check_index, check_length, check_size_parameters};
 use super::weights::Weights;
+use super::{MieError, SphereError};
 
 /// One homogeneous sphere in a plane wave; everything in it has been checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,10 +54,13 @@ impl Sphere {
     }
 
     /// Cross sections, asymmetry and forward amplitude. Several spheres are better given to [`scatter_spheres`].
-    pub fn scattering(&self) -> SphereScattering {
+    ///
+    /// # Errors
+    /// [`MieError::Cancellation`] where the host absorbs so much that extinction is lost to rounding.
+    pub fn scattering(&self) -> Result<SphereScattering, MieError> {
         let mut out = Vec::with_capacity(1);
-        scatter_spheres(&[*self], &mut out);
-        out[0]
+        scatter_spheres(&[*self], &mut out).map_err(|error| error.source)?;
+        Ok(out[0])
     }
 }
 
@@ -72,7 +75,7 @@ pub fn scatter_sphere(
     host: Complex64,
     particle: Complex64,
 ) -> Result<SphereScattering, MieError> {
-    Ok(Sphere::new(PlaneWave::new(wavelength_m, host)?, radius_m, particle)?.scattering())
+    Sphere::new(PlaneWave::new(wavelength_m, host)?, radius_m, particle)?.scattering()
 }
 
 /// Order beyond which the terms of a series in size parameter `modulus` no longer count.
@@ -176,8 +179,16 @@ fn group(spheres: &[Sphere], members: &[Member]) -> Group {
 /// registers: neighbours in size go together, so any order of input will do.
 ///
 /// Source: `frisvad2007` section 2.1 with the signs of `zeta_n` made consistent.
-pub fn scatter_spheres(spheres: &[Sphere], out: &mut Vec<SphereScattering>) {
-    pulp::Arch::new().dispatch(ScatterSpheres { spheres, out });
+///
+/// # Errors
+/// [`SphereError`], with `out` as it was, when a host absorbs so much over a sphere that extinction is lost to rounding.
+pub fn scatter_spheres(spheres: &[Sphere], out: &mut Vec<SphereScattering>) -> Result<(), SphereError> {
+    let before = out.len();
+    let result = pulp::Arch::new().dispatch(ScatterSpheres { spheres, out });
+    if result.is_err() {
+        out.truncate(before);
+    }
+    result
 }
 
 struct ScatterSpheres<'a> {
@@ -186,10 +197,10 @@ struct ScatterSpheres<'a> {
 }
 
 impl WithSimd for ScatterSpheres<'_> {
-    type Output = ();
+    type Output = Result<(), SphereError>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { spheres, out } = self;
         let mut members: Vec<Member> = spheres.iter().enumerate().map(|(i, s)| Member::new(i, s)).collect();
         if !members.is_sorted_by(|a, b| a.order(b).is_le()) {
@@ -214,10 +225,13 @@ impl WithSimd for ScatterSpheres<'_> {
                 for (lane, member) in members.iter().enumerate() {
                     let i = member.index as usize;
                     let Sphere { wave, k0r, .. } = &spheres[i];
-                    out[i] = wave.cross_sections(*k0r, &sums.lane(lane), member.class == Class::Opaque);
+                    out[i] = wave
+                        .cross_sections(*k0r, &sums.lane(lane), member.class == Class::Opaque)
+                        .map_err(|source| SphereError { index: i, source })?;
                 }
             }
         }
+        Ok(())
     }
 }
 

@@ -5,7 +5,7 @@
 
 use pulp::Simd;
 
-use super::elementary::sin_cos_complex;
+use super::elementary::{moved, sin_cos_complex};
 use super::host::{Fraction, Host};
 use super::kernel::{Constants, Group, Sink, divide, up};
 use super::lanes::{Cx, Wave};
@@ -19,8 +19,9 @@ type Pair<S> = [Cx<S>; 2];
 #[inline(always)]
 pub(super) fn upward<S: Simd, H: Host<S>>(simd: S, group: &Group, weights: &mut Weights, sink: &mut impl Sink<S>) {
     let constants = Constants::<S, H>::new(simd, group);
-    let [mut psi, mut chi] = H::start(simd, constants.x);
-    let (sin, cos) = sin_cos_complex(simd, constants.y);
+    let [mut psi, mut chi] = H::start(simd, constants.x, constants.inverse_x);
+    let unit = Cx { re: constants.real(1.0), im: constants.real(0.0) };
+    let (sin, cos) = moved(sin_cos_complex(simd, constants.y), constants.y, unit, constants.inverse_y);
     let mut p = [cos, sin];
     let (mut over, mut under) = (start(&constants, psi, p), start(&constants, chi, p));
     let one = constants.real(1.0);
