@@ -11,6 +11,7 @@ use super::elementary::NARROW;
 use super::host::{Absorbing, Lossless, Opaque};
 use super::kernel::{Group, Sink};
 use super::lanes::{Cx, MAX_LANES, Re};
+use super::recurrence::{series_order, start_order};
 use super::sums::Sums;
 use super::upward::upward;
 use super::wave::{PlaneWave, SphereScattering, check_index, check_length, check_size_parameters};
@@ -76,28 +77,6 @@ pub fn scatter_sphere(
     particle: Complex64,
 ) -> Result<SphereScattering, MieError> {
     Sphere::new(PlaneWave::new(wavelength_m, host)?, radius_m, particle)?.scattering()
-}
-
-/// Order beyond which the terms of a series in size parameter `modulus` no longer count.
-///
-/// Beyond the edge `n = |x|` coefficients fall like `exp(-1.886 p^(3/2))` with `p = (n - |x|) / |x|^(1/3)`, which is eq
-/// 19 of `frisvad2007` with 7.25 (1e-16) where 4.3 gave 1e-8.
-fn series_order(modulus: f64) -> usize {
-    (modulus + 7.25 * modulus.cbrt() + 3.0) as usize
-}
-
-/// Order from which a downward recurrence in `z` forgets its start before it reaches `order`, where `top` does for
-/// whatever `z`.
-fn start_order(z: Complex64, order: usize, top: usize) -> usize {
-    let nu = order as f64 + 0.5;
-    if top > order + 100 && z.im > 0.0 && nu * nu < z.norm_sqr() {
-        // Per order the dominated solution shrinks by exp(-2 |Im theta|) against the other, where cos theta = nu / z.
-        let steps = 20.0 / (nu / z).acos().im.abs();
-        if steps < top as f64 {
-            return top.min(order + 16 + steps as usize);
-        }
-    }
-    top
 }
 
 /// How a sphere's series is summed; spheres of one class go abreast. Small ones first, as input often comes.
