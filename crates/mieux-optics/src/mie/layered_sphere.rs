@@ -9,7 +9,7 @@ use super::host::{Absorbing, Lossless, Opaque};
 use super::kernel::Sink;
 use super::lanes::{LaneArray, MAX_LANES};
 use super::layered::{LayerGroup, LayeredGroup, layered};
-use super::recurrence::{series_order, start_order};
+use super::recurrence::{abreast, series_order, start_order};
 use super::sums::{GroupSums, Sums};
 use super::wave::{PlaneWave, SphereScattering, check_index, check_length, check_size_parameters};
 use super::weights::Weights;
@@ -228,7 +228,12 @@ impl WithSimd for ScatterLayered<'_> {
         out.resize(first + spheres.len(), SphereScattering::NONE);
         let out = &mut out[first..];
         for class in members.chunk_by(|a, b| a.0 == b.0) {
-            for members in class.chunks(S::F64_LANES) {
+            let mut rest = class;
+            while !rest.is_empty() {
+                let sizes: [f64; MAX_LANES] = std::array::from_fn(|i| rest[i.min(rest.len() - 1)].1);
+                let count = abreast(S::F64_LANES.min(rest.len()), &sizes);
+                let (members, others) = rest.split_at(count);
+                rest = others;
                 let class = members[0].0;
                 let abreast: Vec<&LayeredSphere> = members.iter().map(|m| &spheres[m.2]).collect();
                 let sums = class.sums(simd, &group(&abreast, class), &mut weights);

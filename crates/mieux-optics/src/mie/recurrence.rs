@@ -80,6 +80,17 @@ pub(super) fn series_order(modulus: f64) -> usize {
     (modulus + 7.25 * modulus.cbrt() + 3.0) as usize
 }
 
+/// How many of the first `width` size parameters, ascending, can go abreast: orders that only the largest needs make the
+/// outgoing waves of the smallest grow, which must stay far from overflow.
+pub(super) fn abreast(width: usize, sizes: &[f64]) -> usize {
+    let smallest = sizes.first().copied().unwrap_or(1.0);
+    let fits = |count: &usize| {
+        let (least, most) = (series_order(smallest), series_order(sizes[count - 1]));
+        (most - least) as f64 * ((2.0 * most as f64 + 1.0) / smallest).ln() < 50.0
+    };
+    (1..=width.min(sizes.len())).rev().find(fits).unwrap_or(1)
+}
+
 /// Order from which a downward recurrence in `z` forgets its start before it reaches `order`, where `top` does for
 /// whatever `z`.
 pub(super) fn start_order(z: Complex64, order: usize, top: usize) -> usize {
