@@ -42,6 +42,12 @@ impl FournierForand {
     /// [`PhaseError::RefractiveIndex`] unless `1 < refractive_index <= 2`; [`PhaseError::JungeSlope`] unless
     /// `3 < junge_slope < 5`.
     pub fn new(refractive_index: f64, junge_slope: f64) -> Result<Self, PhaseError> {
+        let mut phase = Self::without_asymmetry(refractive_index, junge_slope)?;
+        phase.asymmetry = phase.legendre_moment(1);
+        Ok(phase)
+    }
+
+    fn without_asymmetry(refractive_index: f64, junge_slope: f64) -> Result<Self, PhaseError> {
         if !(refractive_index > 1.0 && refractive_index <= 2.0) {
             return Err(PhaseError::RefractiveIndex { refractive_index });
         }
@@ -51,9 +57,8 @@ impl FournierForand {
         let nu = 0.5 * (3.0 - junge_slope);
         let scale = 4.0 / (3.0 * (refractive_index - 1.0).powi(2));
         let quadrupole = -power_slope(nu, scale) / (16.0 * PI * scale.powf(nu));
-        let mut phase = Self { refractive_index, junge_slope, nu, scale, quadrupole, cap: 0.0, asymmetry: 0.0 };
+        let mut phase = Self { refractive_index, junge_slope, nu, scale, quadrupole, cap: 0.0, asymmetry: f64::NAN };
         phase.cap = phase.published_cumulative(CAP);
-        phase.asymmetry = phase.legendre_moment(1);
         Ok(phase)
     }
 
@@ -64,7 +69,8 @@ impl FournierForand {
     /// [`PhaseError::RefractiveIndex`] as [`Self::new`]; [`PhaseError::BackscatterFraction`] for a share that no slope
     /// gives (those attainable lie between 0 and 1/2).
     pub fn from_backscatter(refractive_index: f64, fraction: f64) -> Result<Self, PhaseError> {
-        let fraction_of = |slope: f64| Self::new(refractive_index, slope).map(|phase| phase.backscatter_fraction());
+        let fraction_of =
+            |slope| Self::without_asymmetry(refractive_index, slope).map(|phase| phase.backscatter_fraction());
         let (mut low, mut high) = (3.0 + 1e-9, 5.0 - 1e-9);
         if !(fraction >= fraction_of(low)? && fraction <= fraction_of(high)?) {
             return Err(PhaseError::BackscatterFraction { fraction });

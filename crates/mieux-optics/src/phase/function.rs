@@ -176,3 +176,6 @@ impl fmt::Display for PhaseFunction {
         each!(self, phase => phase.fmt(f))
     }
 }
+
+#[cfg(test)]
+mod tests;

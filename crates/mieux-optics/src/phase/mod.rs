@@ -4,10 +4,12 @@
 //! [`SpectralPhase`] holds one function per wavelength, [`fit`] turns any function into one of a few parameters, and
 //! [`compare`] says how far two are apart.
 
+mod compare;
 mod cornette_shanks;
 mod double_henyey_greenstein;
 mod draine;
 mod error;
+pub mod fit;
 mod fournier_forand;
 mod function;
 mod henyey_greenstein;
@@ -16,11 +18,13 @@ mod henyey_greenstein_mixture;
 mod isotropic;
 mod quadrature;
 mod rayleigh;
+mod spectral;
 mod tabulated;
 #[cfg(test)]
 mod testing;
 mod water_droplet;
 
+pub use compare::{Comparison, compare};
 pub use cornette_shanks::CornetteShanks;
 pub use double_henyey_greenstein::DoubleHenyeyGreenstein;
 pub use draine::Draine;
@@ -32,5 +36,6 @@ pub use henyey_greenstein_draine::HenyeyGreensteinDraine;
 pub use henyey_greenstein_mixture::HenyeyGreensteinMixture;
 pub use isotropic::Isotropic;
 pub use rayleigh::Rayleigh;
+pub use spectral::{PhaseMixture, SpectralPhase};
 pub use tabulated::{AngleGrid, TableRule, Tabulated};
 pub use water_droplet::WaterDroplet;

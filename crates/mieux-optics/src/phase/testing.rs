@@ -1,6 +1,8 @@
 //! What every phase function must pass. Everything is judged against numerical integrals of `value`, never against a
 //! sampler's own cumulative distribution.
 
+pub(crate) mod sphere;
+
 use std::convert::Infallible;
 use std::f64::consts::PI;
 

@@ -1,98 +1,8 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::phase::testing::{self, Uniform};
+use crate::phase::testing::{self, Uniform, sphere::Sphere};
 use crate::phase::{FournierForand, HenyeyGreenstein, PhaseFunction};
-
-/// Amplitudes of a lossless sphere by the textbook series (`bohren1983`, section 4.4 and 4.8), written for this test.
-struct Sphere {
-    a: Vec<(f64, f64)>,
-    b: Vec<(f64, f64)>,
-}
-
-impl Sphere {
-    /// Size parameter and relative refractive index, both real.
-    fn new(x: f64, m: f64) -> Self {
-        let last = (x + 4.05 * x.cbrt() + 8.0) as usize;
-        let log_derivative = |z: f64| {
-            let mut d = vec![0.0; last + 1];
-            let mut next = 0.0;
-            for n in (1..=(last.max(z as usize) + 60)).rev() {
-                let ratio = n as f64 / z;
-                // next is D_n; this makes D_{n-1}.
-                next = ratio - 1.0 / (next + ratio);
-                if n - 1 <= last {
-                    d[n - 1] = next;
-                }
-            }
-            d
-        };
-        let (inside, outside) = (log_derivative(m * x), log_derivative(x));
-        let (mut psi, mut chi) = (x.sin(), (x.cos(), -x.sin()));
-        let (mut a, mut b) = (Vec::new(), Vec::new());
-        for n in 1..=last {
-            let k = n as f64;
-            let before = psi;
-            // From the downward logarithmic derivative: upward recurrence of psi is unstable beyond x.
-            psi = before / (k / x + outside[n]);
-            let chi_n = (2.0 * k - 1.0) / x * chi.0 - chi.1;
-            let (chi_before, chi_now) = (chi.0, chi_n);
-            chi = (chi_now, chi.0);
-            let coefficient = |factor: f64| {
-                let (p, q) = (factor * psi - before, factor * chi_now - chi_before);
-                // p / (p - i q)
-                let size = p * p + q * q;
-                (p * p / size, p * q / size)
-            };
-            a.push(coefficient(inside[n] / m + k / x));
-            b.push(coefficient(inside[n] * m + k / x));
-        }
-        Self { a, b }
-    }
-
-    /// `|S1|^2 + |S2|^2`.
-    fn intensity(&self, theta: f64) -> f64 {
-        let mu = theta.cos();
-        let (mut pi_before, mut pi_now) = (0.0, 1.0);
-        let mut s = [(0.0, 0.0); 2];
-        for (i, (a, b)) in self.a.iter().zip(&self.b).enumerate() {
-            let n = (i + 1) as f64;
-            let tau = n * mu * pi_now - (n + 1.0) * pi_before;
-            let weight = (2.0 * n + 1.0) / (n * (n + 1.0));
-            s[0].0 += weight * (a.0 * pi_now + b.0 * tau);
-            s[0].1 += weight * (a.1 * pi_now + b.1 * tau);
-            s[1].0 += weight * (a.0 * tau + b.0 * pi_now);
-            s[1].1 += weight * (a.1 * tau + b.1 * pi_now);
-            let next = ((2.0 * n + 1.0) * mu * pi_now - (n + 1.0) * pi_before) / n;
-            (pi_before, pi_now) = (pi_now, next);
-        }
-        s.iter().map(|s| s.0 * s.0 + s.1 * s.1).sum()
-    }
-
-    /// Mean cosine from the coefficients alone, no angle in sight.
-    fn asymmetry(&self) -> f64 {
-        let product = |p: (f64, f64), q: (f64, f64)| p.0 * q.0 + p.1 * q.1;
-        let (mut sum, mut efficiency) = (0.0, 0.0);
-        for i in 0..self.a.len() {
-            let n = (i + 1) as f64;
-            efficiency += (2.0 * n + 1.0) * (product(self.a[i], self.a[i]) + product(self.b[i], self.b[i]));
-            if i + 1 < self.a.len() {
-                let next = product(self.a[i], self.a[i + 1]) + product(self.b[i], self.b[i + 1]);
-                sum += n * (n + 2.0) / (n + 1.0) * next;
-            }
-            sum += (2.0 * n + 1.0) / (n * (n + 1.0)) * product(self.a[i], self.b[i]);
-        }
-        2.0 * sum / efficiency
-    }
-}
-
-#[test]
-fn the_sphere_of_this_test_is_right() {
-    // x = 10, m = 1.5: Qsca-weighted g of the standard programs (`wiscombe1980` tables), 4 digits.
-    let sphere = Sphere::new(10.0, 1.5);
-    let table = Tabulated::to_tolerance(10.0, 1e-4, |theta| sphere.intensity(theta)).unwrap();
-    assert!((table.asymmetry() - sphere.asymmetry()).abs() < 1e-5);
-}
 
 /// A droplet of 50 um radius in green light: a forward peak 0.3 degrees wide, rainbow and glory.
 #[test]
@@ -117,4 +27,120 @@ fn a_large_droplet_keeps_its_mean_cosine() {
         binned.one_minus_asymmetry_error()
     );
     assert!(error.abs() < 1e-5 && error.abs() <= binned.one_minus_asymmetry_error() + 1e-9);
+}
+
+/// What goes wrong without a graded grid: the same droplet at equal steps of the cosine.
+#[test]
+fn equal_steps_of_the_cosine_lose_the_peak_and_say_so() {
+    let x = 2.0 * PI * 20.0 / 0.55;
+    let sphere = Sphere::new(x, 1.33);
+    let exact = 1.0 - sphere.asymmetry();
+    for count in [1001usize, 5001, 20001] {
+        let angles: Vec<f64> = (0..count).map(|i| (1.0 - 2.0 * i as f64 / (count - 1) as f64).acos()).collect();
+        let table =
+            Tabulated::from_fn(AngleGrid::new(angles).unwrap(), TableRule::Points, |t| sphere.intensity(t)).unwrap();
+        let error = table.one_minus_asymmetry() / exact - 1.0;
+        println!("naive {count}: {error}, estimate {}", table.one_minus_asymmetry_error());
+        assert!(table.one_minus_asymmetry_error() > 0.5 * error.abs());
+    }
+}
+
+/// A piecewise linear function is its own table: everything to rounding.
+#[test]
+fn any_table_is_a_phase_function() {
+    let mut uniform = Uniform::new(7);
+    for bins in [1usize, 2, 3, 10, 60] {
+        let mut angles: Vec<f64> = (1..bins).map(|_| PI * uniform.next().powi(3)).collect();
+        angles.extend([0.0, PI]);
+        angles.sort_by(f64::total_cmp);
+        // Steps between bins, and empty bins at both ends and inside.
+        let ends: Vec<[f64; 2]> = (0..bins)
+            .map(|i| if i % 4 == 3 || (bins > 2 && i == 0) { [0.0; 2] } else { [uniform.next() * 1e5, uniform.next()] })
+            .collect();
+        let table = Tabulated::from_bins(AngleGrid::new(angles).unwrap(), ends).unwrap();
+        let phase = PhaseFunction::from(table.clone());
+        testing::check(&phase);
+        let shares: Vec<f64> = table.cumulative.iter().map(|share| 1.0 - share).collect();
+        testing::check_inverse(&phase, &shares);
+        assert!(table.asymmetry() + table.one_minus_asymmetry() == 1.0);
+    }
+}
+
+#[test]
+fn the_sample_inverts_the_forward_fraction() {
+    let table = Tabulated::new(vec![0.0, 0.01, 0.1, 1.0, 2.0, PI], vec![1e6, 1e3, 0.0, 0.0, 1.0, 2.0]).unwrap();
+    for i in 0..=1000 {
+        let xi = f64::from(i) / 1000.0;
+        let mu = table.sample(xi);
+        assert!((table.forward_fraction(mu) - (1.0 - xi)).abs() < 1e-9, "{xi}: {mu}");
+    }
+    assert_eq!((table.sample(0.0), table.sample(1.0)), (-1.0, 1.0));
+    // Nothing lies between 0.1 and 1 rad, so nothing is sampled there.
+    let mut uniform = Uniform::new(3);
+    for _ in 0..100_000 {
+        let mu = table.sample(uniform.next());
+        assert!(mu >= 0.1f64.cos() - 1e-12 || mu <= 1f64.cos() + 1e-12);
+    }
+}
+
+/// Against the closed form of what was tabulated, up to the degrees that a peak excites.
+#[test]
+fn moments_of_a_tabulated_lobe_are_powers_of_its_parameter() {
+    let g = 0.98;
+    let hg = HenyeyGreenstein::new(g).unwrap();
+    let grid = AngleGrid::graded(100.0, 4.0).unwrap();
+    let table = Tabulated::from_fn(grid, TableRule::Integrated, |theta| hg.value(theta.cos())).unwrap();
+    assert!((table.one_minus_asymmetry() / (1.0 - g) - 1.0).abs() <= table.one_minus_asymmetry_error());
+    assert!(table.one_minus_asymmetry_error() < 1e-7, "{:e}", table.one_minus_asymmetry_error());
+    let moments = table.legendre_moments(300);
+    for l in [0u32, 1, 2, 10, 100, 300] {
+        assert!((moments[l as usize] - table.legendre_moment(l)).abs() < 1e-12);
+        assert!(
+            (moments[l as usize] - g.powi(l as i32)).abs() < 2e-5,
+            "{l}: {}",
+            moments[l as usize] - g.powi(l as i32)
+        );
+    }
+}
+
+#[test]
+fn integrals_over_bins_survive_what_points_do_not() {
+    // A peak that falls between the first two angles altogether.
+    let phase = FournierForand::new(1.1, 3.5835).unwrap();
+    let f = |theta: f64| phase.value_away(quadrature::away_of(theta));
+    let grid = AngleGrid::uniform(180).unwrap();
+    let exact = 1.0 - phase.asymmetry();
+    let points = Tabulated::from_fn(grid.clone(), TableRule::Points, f).unwrap();
+    let bins = Tabulated::from_fn(grid, TableRule::Integrated, f).unwrap();
+    let [points_off, bins_off] = [&points, &bins].map(|t| (t.one_minus_asymmetry() / exact - 1.0).abs());
+    println!("points off by {points_off:e}, bins by {bins_off:e}, estimate {:e}", bins.one_minus_asymmetry_error());
+    assert!(points_off > 0.5 && bins_off < 1e-3 && bins_off <= bins.one_minus_asymmetry_error() + 1e-9);
+}
+
+#[test]
+fn values_of_any_scale_are_normalised() {
+    for scale in [5e-324, 1e-300, 1.0, 1e308] {
+        let table = Tabulated::new(vec![0.0, 1.0, PI], vec![scale, scale, scale]).unwrap();
+        assert!((table.value(0.3) - 0.25 / PI).abs() < 1e-15 && table.asymmetry().abs() < 1e-15);
+    }
+}
+
+#[test]
+fn what_is_no_table_is_refused() {
+    assert!(matches!(Tabulated::new(vec![0.0, PI], vec![1.0]), Err(PhaseError::TableLength { .. })));
+    assert!(matches!(Tabulated::new(vec![], vec![]), Err(PhaseError::TableLength { .. })));
+    assert!(matches!(Tabulated::new(vec![0.0, PI], vec![0.0, 0.0]), Err(PhaseError::Integral { .. })));
+    for value in [-1e-300, f64::NAN, f64::INFINITY] {
+        let refused = Tabulated::new(vec![0.0, 1.0, PI], vec![1.0, value, 1.0]);
+        assert!(matches!(refused, Err(PhaseError::AngleValue { theta_rad, .. }) if theta_rad == 1.0), "{value}");
+        let refused = Tabulated::from_fn(AngleGrid::uniform(4).unwrap(), TableRule::Integrated, |_| value);
+        assert!(matches!(refused, Err(PhaseError::AngleValue { .. })), "{value}");
+    }
+    let grid = AngleGrid::uniform(4).unwrap();
+    assert!(matches!(Tabulated::from_bins(grid.clone(), vec![[1.0; 2]; 3]), Err(PhaseError::TableLength { .. })));
+    let wild = |theta: f64| 1.0 / (theta - 1.0).abs().max(1e-250);
+    assert!(matches!(Tabulated::from_fn(grid, TableRule::Integrated, wild), Err(PhaseError::NotIntegrable { .. })));
+    let spike = |theta: f64| if theta == 0.0 { 1e9 } else { 1.0 };
+    assert!(matches!(Tabulated::to_tolerance(1.0, 1e-6, spike), Err(PhaseError::Tolerance { .. })));
+    assert!(Tabulated::new(vec![0.0, PI], vec![1.0, 2.0]).unwrap().one_minus_asymmetry_error().is_infinite());
 }
