@@ -266,6 +266,31 @@ mod tests {
         }
     }
 
+    /// Against Petzold's measurement of turbid harbour water (`petzold1972`), of which the function with the same share
+    /// of backscatter must be a likeness at every angle.
+    #[test]
+    fn looks_like_the_sea() {
+        let folder = std::env::var("MIEUX_SHARED")
+            .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared").to_owned());
+        let text = match std::fs::read_to_string(format!("{folder}/data/optics/petzold_sd_harbor_cdf.csv")) {
+            Ok(text) => text,
+            Err(error) => {
+                assert!(std::env::var("MIEUX_REQUIRE_SHARED").is_err(), "{error}");
+                return;
+            }
+        };
+        let mut largest = 0.0f64;
+        let mut rows = 0;
+        let phase = FournierForand::from_backscatter(1.1, 0.0183).unwrap();
+        for line in text.lines().skip(1) {
+            let numbers: Vec<f64> = line.split(',').map(|n| n.parse().unwrap()).collect();
+            let (measured, ours) = (numbers[1], phase.published_cumulative(quadrature::away_of(numbers[0])));
+            largest = largest.max((measured - ours).abs());
+            rows += 1;
+        }
+        assert!(rows > 50 && largest < 0.03, "{rows} rows, off by {largest}");
+    }
+
     #[test]
     fn parameters_out_of_range_are_refused() {
         for n in [1.0, 0.9, 2.1, f64::NAN, f64::INFINITY] {

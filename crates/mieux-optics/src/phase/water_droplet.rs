@@ -10,6 +10,9 @@ use super::{HenyeyGreensteinDraine, PhaseError};
 /// (the mean cosine falls from 0.144 to 0.130 at 0.1 um): the published form is kept. A joint at 0.1 um belongs to the
 /// range below, at 1.5 and 5 um to the range above.
 ///
+/// The mean cosine is within 0.03 of a single sphere's in green light from 1 um up; below, it lies well above it (0.48
+/// against 0.25 at 0.2 um).
+///
 /// | | |
 /// |---|---|
 /// | `diameter_m` | above 0 and at most 50e-6 m |

@@ -11,7 +11,6 @@ fn a_model_is_found_again() {
         for keep_asymmetry in [false, true] {
             for weight in [Weight::SolidAngle, Weight::Energy] {
                 let fit = double_henyey_greenstein(&truth.into(), &Options { weight, keep_asymmetry }).unwrap();
-                println!("{truth}: {fit:?}");
                 assert!(fit.rms_log10 < 1e-4 && fit.total_variation < 1e-4, "{truth}: {fit:?}");
             }
         }
@@ -21,7 +20,6 @@ fn a_model_is_found_again() {
         for keep_asymmetry in [false, true] {
             let options = Options { keep_asymmetry, ..Options::default() };
             let fit = henyey_greenstein_draine(&truth.into(), &options).unwrap();
-            println!("{truth}: {fit:?}");
             assert!(fit.rms_log10 < 1e-3 && fit.total_variation < 1e-3, "{truth}: {fit:?}");
         }
     }
@@ -38,7 +36,6 @@ fn the_mean_cosine_is_kept_when_asked() {
     let one = henyey_greenstein(&target, &KEPT).unwrap();
     let two = double_henyey_greenstein(&target, &KEPT).unwrap();
     let free = double_henyey_greenstein(&target, &Options::default()).unwrap();
-    println!("{one:?}\n{two:?}\n{free:?}");
     assert!(one.asymmetry_error.abs() < 1e-14 && two.asymmetry_error.abs() < 1e-13);
     // More freedom can only help the metric.
     assert!(free.rms_log10 <= two.rms_log10 * (1.0 + 1e-6) && two.rms_log10 < one.rms_log10);

@@ -59,9 +59,10 @@ impl Tabulated {
 
     fn integrated(grid: AngleGrid, mut f: impl FnMut(f64) -> f64) -> Result<Self, PhaseError> {
         let mut ends = Vec::with_capacity(grid.len() - 1);
-        // Of the first moments over all bins: what was lost to keep values positive, and what quadrature left open.
+        // Of the first moments over all bins: what was lost to keep values positive, and what quadrature left open; and that of
+        // the integral.
         let mut lost = 0.0f64;
-        let mut open = 0.0f64;
+        let (mut open, mut total_open) = (0.0f64, 0.0f64);
         for pair in grid.as_slice().windows(2) {
             let start = away_of(pair[0]);
             let width = away_of(pair[1]) - start;
@@ -81,11 +82,12 @@ impl Tabulated {
             let (line, kept) = line_through(mean, first);
             lost += 2.0 * PI * width * width * (kept - first);
             open += 2.0 * PI * width * (start * integral.error[0] + width * integral.error[1]);
+            total_open += 2.0 * PI * width * integral.error[0];
             ends.push(line);
         }
         let raw: f64 = ends.iter().zip(super::widths(&edges_of(&grid))).map(|(e, w)| PI * w * (e[0] + e[1])).sum();
         let mut table = Self::from_bins(grid, ends)?;
-        table.error = (lost.abs() + open) / (raw * table.lack);
+        table.error = (lost.abs() + open) / (raw * table.lack) + total_open / raw;
         Ok(table)
     }
 }

@@ -36,7 +36,7 @@ pub struct Tabulated {
 impl Tabulated {
     /// From values (any common scale) at angles in rad that rise strictly from 0 to pi.
     ///
-    /// The error of `1 - g` is estimated from the same table with every second angle left out.
+    /// The error of `1 - g` is estimated from how it changes as every second angle is left out, once and again.
     ///
     /// # Errors
     /// [`PhaseError::TableLength`], [`PhaseError::Angle`], [`PhaseError::AngleValue`] for a value that is negative or not
@@ -47,12 +47,29 @@ impl Tabulated {
         }
         let grid = AngleGrid::new(angles_rad)?;
         check_values(&grid, values.iter().copied().map(|v| [v; 1]))?;
-        let coarse = every_second(&grid, &values)?;
-        let ends = values.windows(2).map(|pair| [pair[0], pair[1]]).collect();
-        let mut table = Self::assemble(grid, ends)?;
-        // Two angles say nothing about what lies between them.
-        table.error = coarse.map_or(f64::INFINITY, |coarse| (coarse.lack / table.lack - 1.0).abs());
+        let coarse = every_second(grid.as_slice(), &values);
+        let coarser = every_second(&coarse.0, &coarse.1);
+        let mut table = Self::assemble(grid, pairs(&values))?;
+        table.error = table.error_from(coarse, coarser);
         Ok(table)
+    }
+
+    /// Relative error of `1 - g`, from the tables of every second and every fourth angle.
+    fn error_from(&self, coarse: (Vec<f64>, Vec<f64>), coarser: (Vec<f64>, Vec<f64>)) -> f64 {
+        // With fewer angles, leaving some out leaves nothing.
+        if coarser.0.len() < 3 {
+            return f64::INFINITY;
+        }
+        let lack = |(angles, values): (Vec<f64>, Vec<f64>)| -> Option<f64> {
+            Some(Self::assemble(AngleGrid::new(angles).ok()?, pairs(&values)).ok()?.lack)
+        };
+        let (Some(coarse), Some(coarser)) = (lack(coarse), lack(coarser)) else { return f64::INFINITY };
+        let (last, first) = ((self.lack - coarse).abs(), (coarse - coarser).abs());
+        // Differences that shrink by `ratio` from step to step sum to `ratio/(1 - ratio)` of the last; where they do
+        // not shrink, the peak has not been seen yet. Never less than the last, in case it shrank by luck.
+        let ratio = if last > 0.0 { last / first } else { 0.0 };
+        let factor = if ratio < 0.99 { (ratio / (1.0 - ratio)).max(1.0) } else { 100.0 };
+        last * factor / self.lack
     }
 
     /// From the values (any common scale) at the forward and backward end of each bin between the angles of a grid.
@@ -217,17 +234,15 @@ fn check_values<const N: usize>(grid: &AngleGrid, values: impl Iterator<Item = [
     Ok(())
 }
 
-/// The table of every second angle, or none if nothing would be left of it.
-fn every_second(grid: &AngleGrid, values: &[f64]) -> Result<Option<Tabulated>, PhaseError> {
+/// A value at each end of each bin.
+fn pairs(values: &[f64]) -> Vec<[f64; 2]> {
+    values.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+}
+
+/// Every second angle and value, and the last.
+fn every_second(angles: &[f64], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let count = values.len();
-    if count < 3 {
-        return Ok(None);
-    }
-    let kept = |i: &usize| i % 2 == 0 || i + 1 == count;
-    let angles = (0..count).filter(kept).map(|i| grid.as_slice()[i]).collect();
-    let values: Vec<f64> = (0..count).filter(kept).map(|i| values[i]).collect();
-    let ends = values.windows(2).map(|pair| [pair[0], pair[1]]).collect();
-    Ok(Tabulated::assemble(AngleGrid::new(angles)?, ends).ok())
+    (0..count).filter(|i| i % 2 == 0 || i + 1 == count).map(|i| (angles[i], values[i])).unzip()
 }
 
 impl fmt::Display for Tabulated {

@@ -12,36 +12,27 @@ fn a_large_droplet_keeps_its_mean_cosine() {
     let exact = 1.0 - sphere.asymmetry();
     let points = Tabulated::to_tolerance(x, 1e-3, |theta| sphere.intensity(theta)).unwrap();
     let error = points.one_minus_asymmetry() / exact - 1.0;
-    println!(
-        "points: {} angles, error {error:e}, estimate {:e}",
-        points.grid().len(),
-        points.one_minus_asymmetry_error()
-    );
     assert!(error.abs() < 1e-3 && error.abs() <= points.one_minus_asymmetry_error());
     let grid = AngleGrid::graded(x, 1.0).unwrap();
     let binned = Tabulated::from_fn(grid, TableRule::Integrated, |theta| sphere.intensity(theta)).unwrap();
     let error = binned.one_minus_asymmetry() / exact - 1.0;
-    println!(
-        "bins: {} angles, error {error:e}, estimate {:e}",
-        binned.grid().len(),
-        binned.one_minus_asymmetry_error()
-    );
     assert!(error.abs() < 1e-5 && error.abs() <= binned.one_minus_asymmetry_error() + 1e-9);
 }
 
 /// What goes wrong without a graded grid: the same droplet at equal steps of the cosine.
 #[test]
 fn equal_steps_of_the_cosine_lose_the_peak_and_say_so() {
-    let x = 2.0 * PI * 20.0 / 0.55;
+    let x = PI * 20.0 / 0.55;
     let sphere = Sphere::new(x, 1.33);
     let exact = 1.0 - sphere.asymmetry();
-    for count in [1001usize, 5001, 20001] {
+    // The errors were found by another program.
+    for (count, known) in [(1001usize, 0.74), (5001, 0.22), (20001, 0.019)] {
         let angles: Vec<f64> = (0..count).map(|i| (1.0 - 2.0 * i as f64 / (count - 1) as f64).acos()).collect();
-        let table =
-            Tabulated::from_fn(AngleGrid::new(angles).unwrap(), TableRule::Points, |t| sphere.intensity(t)).unwrap();
-        let error = table.one_minus_asymmetry() / exact - 1.0;
-        println!("naive {count}: {error}, estimate {}", table.one_minus_asymmetry_error());
-        assert!(table.one_minus_asymmetry_error() > 0.5 * error.abs());
+        let grid = AngleGrid::new(angles).unwrap();
+        let table = Tabulated::from_fn(grid, TableRule::Points, |theta| sphere.intensity(theta)).unwrap();
+        let error = (table.one_minus_asymmetry() / exact - 1.0).abs();
+        assert!((error / known - 1.0).abs() < 0.03, "{count}: {error}");
+        assert!(table.one_minus_asymmetry_error() > error, "{count}: {}", table.one_minus_asymmetry_error());
     }
 }
 
@@ -90,7 +81,8 @@ fn moments_of_a_tabulated_lobe_are_powers_of_its_parameter() {
     let hg = HenyeyGreenstein::new(g).unwrap();
     let grid = AngleGrid::graded(100.0, 4.0).unwrap();
     let table = Tabulated::from_fn(grid, TableRule::Integrated, |theta| hg.value(theta.cos())).unwrap();
-    assert!((table.one_minus_asymmetry() / (1.0 - g) - 1.0).abs() <= table.one_minus_asymmetry_error());
+    let off = (table.one_minus_asymmetry() / (1.0 - g) - 1.0).abs();
+    assert!(off <= table.one_minus_asymmetry_error());
     assert!(table.one_minus_asymmetry_error() < 1e-7, "{:e}", table.one_minus_asymmetry_error());
     let moments = table.legendre_moments(300);
     for l in [0u32, 1, 2, 10, 100, 300] {
@@ -113,8 +105,7 @@ fn integrals_over_bins_survive_what_points_do_not() {
     let points = Tabulated::from_fn(grid.clone(), TableRule::Points, f).unwrap();
     let bins = Tabulated::from_fn(grid, TableRule::Integrated, f).unwrap();
     let [points_off, bins_off] = [&points, &bins].map(|t| (t.one_minus_asymmetry() / exact - 1.0).abs());
-    println!("points off by {points_off:e}, bins by {bins_off:e}, estimate {:e}", bins.one_minus_asymmetry_error());
-    assert!(points_off > 0.5 && bins_off < 1e-3 && bins_off <= bins.one_minus_asymmetry_error() + 1e-9);
+    assert!(points_off > 0.5 && bins_off < 1e-3 && bins_off <= 1.01 * bins.one_minus_asymmetry_error());
 }
 
 #[test]
