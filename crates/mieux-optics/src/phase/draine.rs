@@ -53,7 +53,7 @@ impl Draine {
     /// This is the root of the quartic of `jendersie2023s` (eq 6), which divides by `g` and `alpha`. With
     /// `e = 1 - z`, `mu = z + g (1 - z^2)/2` (their `v` is `1 - g z`) the quartic needs no division, and written in the
     /// Henyey-Greenstein survival `u = (1 + g) e / (2 (1 - g + g e))` its slope is `constant + square mu^2`: a root
-    /// that Newton's method, held in a bracket, finds to rounding for every parameter.
+    /// that Halley's method, held in a bracket, finds to rounding for every parameter.
     pub fn sample(&self, xi: f64) -> f64 {
         if xi.is_nan() {
             return xi;
@@ -64,32 +64,44 @@ impl Draine {
         let (mut low, mut high) = (0.0, 1.0);
         let mut u = wanted;
         for _ in 0..100 {
-            let (survival, slope, _) = self.survival(g, u);
-            if survival > wanted {
+            let point = self.survival(g, u);
+            let excess = point.survival - wanted;
+            if excess > 0.0 {
                 high = u;
             } else {
                 low = u;
             }
-            let newton = u - (survival - wanted) / slope;
-            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
+            let slope = point.slope;
+            let halley = u - excess * slope / (slope * slope - 0.5 * excess * point.curvature);
+            let inside = halley >= low && halley <= high;
+            let next = if inside { halley } else { 0.5 * (low + high) };
             let step = (next - u).abs();
             u = next;
-            // Convergence is quadratic: what is left is below rounding.
-            if step <= 1e-12 * u {
+            // Convergence is cubic: what is left of such a step is below rounding.
+            if step <= if inside { 1e-7 * u } else { 1e-16 * u } {
                 break;
             }
         }
-        let mu = (1.0 - self.survival(g, u).2).clamp(-1.0, 1.0);
+        let mu = (1.0 - self.survival(g, u).away).clamp(-1.0, 1.0);
         if backward { -mu } else { mu }
     }
 
-    /// Chance of scattering closer to the peak than the point of Henyey-Greenstein survival `u`; its slope in `u`; and
-    /// `1 - mu` of that point, for a lobe of asymmetry `g >= 0`.
-    fn survival(&self, g: f64, u: f64) -> (f64, f64, f64) {
+    /// The cumulative distribution from the peak on, for a lobe of asymmetry `g >= 0`, where that of its
+    /// Henyey-Greenstein factor alone is `u`.
+    #[inline]
+    fn survival(&self, g: f64, u: f64) -> Point {
+        let h = 1.0 - g;
         let (e, away) = away_at(g, u);
-        let (h, mu) = (1.0 - g, 1.0 - away);
+        let mu = 1.0 - away;
+        let v = h + g * e;
         let squares = 1.0 - h * e * (1.0 - e * (h / 3.0 + g * e / 12.0));
-        (u * (self.constant + self.square * squares), self.constant + self.square * mu * mu, away)
+        Point {
+            survival: u * (self.constant + self.square * squares),
+            slope: self.constant + self.square * mu * mu,
+            // d mu / d u is -2 v^3 / (1 - g^2).
+            curvature: -4.0 * self.square * mu * v * v * v / (h * (1.0 + g)),
+            away,
+        }
     }
 
     /// Mean cosine, `g (1 + alpha (3 + 2 g^2)/5) / (1 + alpha (1 + 2 g^2)/3)`.
@@ -109,6 +121,14 @@ impl Draine {
             if degree < 2 { 0.0 } else { l * (l - 1.0) / ((2.0 * l + 1.0) * (2.0 * l - 1.0)) * power(degree - 2) };
         self.constant * power(degree) + self.square * (above + here + below)
     }
+}
+
+/// A point of a cumulative distribution, its derivatives, and `1 - mu` there.
+struct Point {
+    survival: f64,
+    slope: f64,
+    curvature: f64,
+    away: f64,
 }
 
 impl fmt::Display for Draine {

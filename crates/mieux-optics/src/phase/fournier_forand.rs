@@ -21,7 +21,7 @@ const CAP: f64 = 1.0 / (1u64 << 33) as f64;
 /// 15 urad of forward a constant with the same integral stands for it here, so that the function is finite
 /// everywhere and still integrates to 1. It is sampled by inverting the published cumulative numerically, to rounding.
 ///
-/// Source: `fournier1994`, in the form of `mobley2002` (eqs 7 to 11).
+/// Source: `fournier1994`, in the form of `mobley2002`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FournierForand {
     refractive_index: f64,
@@ -34,6 +34,8 @@ pub struct FournierForand {
     quadrupole: f64,
     /// Share of the light inside the cap.
     cap: f64,
+    /// Logarithm of the backward value times `4 pi sr`.
+    backward: f64,
     asymmetry: f64,
 }
 
@@ -56,9 +58,12 @@ impl FournierForand {
         }
         let nu = 0.5 * (3.0 - junge_slope);
         let scale = 4.0 / (3.0 * (refractive_index - 1.0).powi(2));
-        let quadrupole = -power_slope(nu, scale) / (16.0 * PI * scale.powf(nu));
-        let mut phase = Self { refractive_index, junge_slope, nu, scale, quadrupole, cap: 0.0, asymmetry: f64::NAN };
+        let first = slope(scale, (nu * scale.ln()).exp_m1(), nu);
+        let quadrupole = -first / (16.0 * PI * scale.powf(nu));
+        let (cap, backward, asymmetry) = (0.0, 0.0, f64::NAN);
+        let mut phase = Self { refractive_index, junge_slope, nu, scale, quadrupole, cap, backward, asymmetry };
         phase.cap = phase.published_cumulative(CAP);
+        phase.backward = (4.0 * PI * phase.value_away(2.0)).ln();
         Ok(phase)
     }
 
@@ -107,22 +112,29 @@ impl FournierForand {
         if away < CAP {
             return self.cap / (2.0 * PI * CAP);
         }
-        let half = 0.5 * away;
-        let delta = self.scale * half;
-        let (first, second) = (power_slope(self.nu, delta), power_curvature(self.nu, delta));
-        // The published fraction with its double zero at delta = 1 divided out.
-        let peak = (second - (second + first) / half) / (4.0 * PI * delta.powf(self.nu));
-        let mu = 1.0 - away;
-        peak + self.quadrupole * (3.0 * mu * mu - 1.0)
+        self.published(away).1
     }
 
     /// Share of the light scattered closer to forward than `away = 1 - mu`, cap or no cap.
     fn published_cumulative(&self, away: f64) -> f64 {
+        self.published(away).0
+    }
+
+    /// The published cumulative and value, with their zeros at `delta = 1` divided out.
+    fn published(&self, away: f64) -> (f64, f64) {
         let half = 0.5 * away;
         let delta = self.scale * half;
-        let peak = (power_slope(self.nu + 1.0, delta) - power_slope(self.nu, delta) * half) * delta.powf(-self.nu);
+        let log = delta.ln();
+        let power = (self.nu * log).exp();
+        let first = slope(delta, (self.nu * log).exp_m1(), self.nu);
+        // Close to 1 the power loses what the exponential keeps.
+        let next = if log.abs() > 0.5 { delta * power - 1.0 } else { ((self.nu + 1.0) * log).exp_m1() };
+        let above = slope(delta, next, self.nu + 1.0);
+        let second = curvature(self.nu, delta, first);
         let mu = 1.0 - away;
-        peak + 2.0 * PI * self.quadrupole * mu * away * (2.0 - away)
+        let cumulative = (above - first * half) / power + 2.0 * PI * self.quadrupole * mu * away * (2.0 - away);
+        let value = (second - (second + first) / half) / (4.0 * PI * power) + self.quadrupole * (3.0 * mu * mu - 1.0);
+        (cumulative, value)
     }
 
     /// Scattering cosine in [-1, 1] for a uniform `xi` in [0, 1], rising from -1 to 1: the cumulative distribution
@@ -135,26 +147,41 @@ impl FournierForand {
         if wanted <= self.cap {
             return 1.0 - CAP * wanted / self.cap;
         }
-        // In the logarithm of `away` the cumulative is close to an exponential.
-        let (mut low, mut high) = (CAP.ln(), 2f64.ln());
-        let mut x = 0.5 * (low + high);
+        if xi <= 0.0 {
+            return -1.0;
+        }
+        // The cumulative's log odds against the log odds of `away` in [0, 2] is a gently bent line.
+        let odds = (wanted / xi).ln();
+        let (mut low, mut high) = (log_odds(CAP), 40.0);
+        let mut x = self.first_guess(odds, low).clamp(low, high);
         for _ in 0..100 {
-            let away = x.exp();
-            let excess = self.published_cumulative(away) - wanted;
+            let away = 2.0 / (1.0 + (-x).exp());
+            let (below, value) = self.published(away);
+            let above = (1.0 - below).max(f64::MIN_POSITIVE);
+            let excess = (below / above).ln() - odds;
             if excess > 0.0 {
                 high = x;
             } else {
                 low = x;
             }
-            let newton = x - excess / (2.0 * PI * self.value_away(away) * away);
-            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
+            let slope = PI * value * away * (2.0 - away) / (below * above);
+            let newton = x - excess / slope;
+            let inside = newton >= low && newton <= high;
+            let next = if inside { newton } else { 0.5 * (low + high) };
             let step = (next - x).abs();
             x = next;
-            if step <= 1e-13 {
+            // Convergence is quadratic: what is left of such a step is below rounding.
+            if step <= if inside { 1e-7 } else { 1e-14 } {
                 break;
             }
         }
-        (1.0 - x.exp()).clamp(-1.0, 1.0)
+        (1.0 - 2.0 / (1.0 + (-x).exp())).clamp(-1.0, 1.0)
+    }
+
+    /// Where the two asymptotes of the log odds, the peak's power law and the flat backward side, have the wanted ones.
+    fn first_guess(&self, odds: f64, start: f64) -> f64 {
+        let peak = start + (odds - (self.cap / (1.0 - self.cap)).ln()) / -self.nu;
+        peak.min(odds + self.backward)
     }
 
     /// Mean cosine, by quadrature to rounding.
@@ -169,17 +196,21 @@ impl FournierForand {
     }
 }
 
-/// `(delta^nu - 1)/(delta - 1)`, finite at 1.
-fn power_slope(nu: f64, delta: f64) -> f64 {
-    let d = delta - 1.0;
-    if d == 0.0 { nu } else { (nu * delta.ln()).exp_m1() / d }
+/// Of a part of the range [0, 2].
+fn log_odds(away: f64) -> f64 {
+    (away / (2.0 - away)).ln()
 }
 
-/// `(delta^nu - 1 - nu (delta - 1))/(delta - 1)^2`, finite at 1, where it is summed as a binomial series.
-fn power_curvature(nu: f64, delta: f64) -> f64 {
+/// `(delta^nu - 1)/(delta - 1)` given its numerator, finite at 1.
+fn slope(delta: f64, numerator: f64, nu: f64) -> f64 {
+    if delta == 1.0 { nu } else { numerator / (delta - 1.0) }
+}
+
+/// `(delta^nu - 1 - nu (delta - 1))/(delta - 1)^2` given [`slope`]; near 1, where that cancels, a binomial series.
+fn curvature(nu: f64, delta: f64, slope: f64) -> f64 {
     let d = delta - 1.0;
     if d.abs() > 0.1 {
-        return (power_slope(nu, delta) - nu) / d;
+        return (slope - nu) / d;
     }
     let mut term = 0.5 * nu * (nu - 1.0);
     let mut sum = term;
@@ -221,7 +252,7 @@ mod tests {
         }
     }
 
-    /// Equation 7 of mobley2002 as printed, away from the angle where it is 0/0.
+    /// The form of mobley2002 as printed, away from the angle where it is 0/0.
     #[test]
     fn has_the_printed_value() {
         let (n, slope): (f64, f64) = (1.1, 3.5835);
@@ -251,7 +282,7 @@ mod tests {
     }
 
     /// The classic match: n = 1.10, slope 3.5835 has the backscatter fraction 0.0183 of Petzold's average harbour
-    /// water (table 2 of mobley2002).
+    /// water (mobley2002).
     #[test]
     fn the_backscatter_fraction_is_the_published_one_and_can_be_asked_for() {
         let phase = FournierForand::new(1.1, 3.5835).unwrap();

@@ -16,10 +16,14 @@ impl Rayleigh {
     /// Scattering cosine in [-1, 1] for a uniform `xi` in [0, 1]: the exact inverse of the cumulative distribution,
     /// rising from -1 to 1.
     ///
-    /// The cubic `mu^3 + 3 mu = 8 xi - 4` has one real root. Cardano's two cube roots cancel where `mu` is near 0;
-    /// in hyperbolic functions the same root keeps its digits.
+    /// The cubic `mu^3 + 3 mu = 8 xi - 4` has one real root. Cardano's two cube roots cancel where it is near 0; a step
+    /// of Newton's method from there restores the digits.
     pub fn sample(&self, xi: f64) -> f64 {
-        (2.0 * ((4.0 * xi - 2.0).asinh() / 3.0).sinh()).clamp(-1.0, 1.0)
+        let right = 8.0 * xi.clamp(0.0, 1.0) - 4.0;
+        let half = 0.5 * right.abs();
+        let root = (half + (half * half + 1.0).sqrt()).cbrt();
+        let mu = (root - 1.0 / root).copysign(right);
+        (mu - (mu * (mu * mu + 3.0) - right) / (3.0 * (mu * mu + 1.0))).clamp(-1.0, 1.0)
     }
 
     /// Mean cosine: 0.
