@@ -21,7 +21,7 @@ const CAP: f64 = 1.0 / (1u64 << 33) as f64;
 /// 15 urad of forward a constant with the same integral stands for it here, so that the function is finite
 /// everywhere and still integrates to 1. It is sampled by inverting the published cumulative numerically, to rounding.
 ///
-/// Source: `fournier1994`, in the form of `mobley2002`.
+/// Source: `fournier1994`, in the form of `fournier1999` as `mobley2002` print it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FournierForand {
     refractive_index: f64,
@@ -287,6 +287,17 @@ mod tests {
     fn the_backscatter_fraction_is_the_published_one_and_can_be_asked_for() {
         let phase = FournierForand::new(1.1, 3.5835).unwrap();
         assert!((phase.backscatter_fraction() - 0.0183).abs() < 5e-5, "{}", phase.backscatter_fraction());
+        // Table 1 of mobley2021, whose n - 1 is rounded to a few percent.
+        for (n, slope, fraction) in [
+            (1.021, 3.0742, 0.0001),
+            (1.04, 3.201, 0.001),
+            (1.08, 3.483, 0.01),
+            (1.175, 4.065, 0.1),
+            (1.15, 4.874, 0.4),
+        ] {
+            let ours = FournierForand::new(n, slope).unwrap().backscatter_fraction();
+            assert!((ours / fraction - 1.0).abs() < 0.04, "{n} {slope}: {ours}");
+        }
         for (n, fraction) in [(1.1, 0.0183), (1.05, 0.001), (1.2, 0.4), (1.15, 0.0005)] {
             let phase = FournierForand::from_backscatter(n, fraction).unwrap();
             assert!((phase.backscatter_fraction() - fraction).abs() < 1e-10);

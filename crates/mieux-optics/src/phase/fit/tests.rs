@@ -1,4 +1,5 @@
 use super::*;
+use crate::phase::testing::sphere::Sphere;
 use crate::phase::{AngleGrid, Draine, TableRule, Tabulated, WaterDroplet};
 
 const KEPT: Options = Options { weight: Weight::SolidAngle, keep_asymmetry: true };
@@ -70,4 +71,30 @@ fn a_table_with_oscillations_and_zeros_can_be_fitted() {
         assert!(!options.keep_asymmetry || fit.asymmetry_error.abs() < 1e-12);
         assert_eq!(fit, henyey_greenstein_draine(&target, &options).unwrap());
     }
+}
+
+/// The search, let loose on Lorenz-Mie theory, comes to about the lobes that jendersie2023s publish for the diameter,
+/// and closer to theory than they do.
+#[test]
+fn a_droplet_is_fitted_by_lobes_like_the_published_ones() {
+    let x = std::f64::consts::PI * 10.0 / 0.55;
+    let sphere = Sphere::new(x, 1.333);
+    let grid = AngleGrid::graded(x, 8.0).unwrap();
+    let table = Tabulated::from_fn(grid, TableRule::Integrated, |theta| sphere.intensity(theta)).unwrap();
+    let target = PhaseFunction::from(table);
+    let options = Options { weight: Weight::Energy, keep_asymmetry: true };
+    let fit = henyey_greenstein_draine(&target, &options).unwrap();
+    let published = WaterDroplet::new(10e-6).unwrap();
+    let parameters = |lobes: HenyeyGreensteinDraine| {
+        let (g_d, alpha) = lobes.draine().parameters();
+        [lobes.draine_weight(), lobes.henyey_greenstein().asymmetry(), g_d, alpha]
+    };
+    for (ours, theirs) in parameters(fit.phase).into_iter().zip(parameters(published.lobes())) {
+        assert!((ours / theirs - 1.0).abs() < 0.2, "{fit:?}");
+    }
+    assert!(fit.total_variation < compare(&target, &published.into()).total_variation);
+    // Fewer parameters, worse.
+    let two = double_henyey_greenstein(&target, &options).unwrap();
+    let one = henyey_greenstein(&target, &options).unwrap();
+    assert!(fit.rms_log10 < two.rms_log10 && two.rms_log10 < one.rms_log10);
 }
