@@ -139,6 +139,33 @@ mod tests {
         near(above.draine().parameters().1, 9.3, 0.1);
     }
 
+    /// Written down from the paper and evaluated apart from this code: `w_D`, `g_HG`, `g_D`, `alpha`.
+    #[test]
+    fn has_the_published_parameters() {
+        let published = [
+            (0.05, [0.252180672, 0.0345, 0.0256611824, 250.0]),
+            (0.08, [0.246967924, 0.08832, 0.0620157704, 250.0]),
+            (0.2, [0.0473507757, 0.491588474, 0.175181577, 250.0]),
+            (0.7, [0.378733688, 0.843807967, 0.67810315, 250.0]),
+            (1.4, [0.196954945, 0.84581046, 0.305115307, 250.0]),
+            (1.6, [0.395797318, 0.89458281, 0.404039237, 9.74944031]),
+            (2.5, [0.379933736, 0.934967598, 0.391466862, 13.008916]),
+            (4.5, [0.431824643, 0.964948054, 0.494268417, 17.3018394]),
+            (4.9, [0.440307529, 0.968279604, 0.50185919, 17.9237929]),
+            (5.0, [0.44782949, 0.970677964, 0.508341616, 17.0680985]),
+            (12.0, [0.487418732, 0.990455188, 0.566863888, 23.3775202]),
+            (40.0, [0.50605533, 0.99741892, 0.619284323, 31.2725899]),
+        ];
+        for (d, wanted) in published {
+            let lobes = droplet(d).lobes();
+            let (g_d, alpha) = lobes.draine().parameters();
+            let found = [lobes.draine_weight(), lobes.henyey_greenstein().asymmetry(), g_d, alpha];
+            for (found, wanted) in found.into_iter().zip(wanted) {
+                assert!((found / wanted - 1.0).abs() < 1e-8, "{d}: {found} {wanted}");
+            }
+        }
+    }
+
     #[test]
     fn every_diameter_of_the_range_gives_valid_lobes() {
         for i in 0..=20_000 {
