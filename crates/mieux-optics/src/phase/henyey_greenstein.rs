@@ -39,11 +39,12 @@ impl HenyeyGreenstein {
         (1.0 - g * g) / (4.0 * PI * base * base.sqrt())
     }
 
-    /// Scattering cosine in [-1, 1] for a uniform `xi` in [0, 1): the exact inverse of the cumulative distribution,
+    /// Scattering cosine in [-1, 1] for a uniform `xi` in [0, 1]: the exact inverse of the cumulative distribution,
     /// rising from -1 to 1.
     ///
     /// The usual closed form divides by `g` and cancels opposite the peak; this arrangement does neither.
     pub fn sample(&self, xi: f64) -> f64 {
+        let xi = xi.clamp(0.0, 1.0);
         if self.g < 0.0 { away_at(-self.g, xi).1 - 1.0 } else { 1.0 - away_at(self.g, 1.0 - xi).1 }.clamp(-1.0, 1.0)
     }
 

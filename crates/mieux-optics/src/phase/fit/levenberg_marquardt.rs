@@ -45,7 +45,7 @@ pub(super) fn minimise<const N: usize>(
             }
             damping *= 4.0;
         }
-        if before - cost <= 1e-12 * before || !cost.is_finite() {
+        if before - cost <= 1e-9 * before || !cost.is_finite() {
             break;
         }
     }

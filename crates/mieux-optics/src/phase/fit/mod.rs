@@ -180,14 +180,14 @@ impl Bands {
     }
 }
 
-/// Edges of the bands, in `1 - mu`: a quarter of a degree wide, and towards forward and backward a fortieth of the
-/// angle from there.
+/// Edges of the bands, in `1 - mu`: half a degree wide, and towards forward and backward a twenty-fifth of the angle
+/// from there.
 fn band_edges() -> Vec<f64> {
-    let widest = 0.25f64.to_radians();
+    let widest = 0.5f64.to_radians();
     let mut angles = vec![0.0, 1e-8];
     let mut angle: f64 = 1e-8;
     while angle < 0.5 * PI {
-        angle += (angle / 40.0).min(widest);
+        angle += (angle / 25.0).min(widest);
         angles.push(angle.min(0.5 * PI));
     }
     let forward = angles.iter().map(|&theta| quadrature::away_of(theta));

@@ -1,6 +1,6 @@
 use super::*;
 use crate::phase::testing::sphere::Sphere;
-use crate::phase::{AngleGrid, Draine, TableRule, Tabulated, WaterDroplet};
+use crate::phase::{AngleGrid, Draine, FournierForand, TableRule, Tabulated, WaterDroplet};
 
 const KEPT: Options = Options { weight: Weight::SolidAngle, keep_asymmetry: true };
 
@@ -97,4 +97,35 @@ fn a_droplet_is_fitted_by_lobes_like_the_published_ones() {
     let two = double_henyey_greenstein(&target, &options).unwrap();
     let one = henyey_greenstein(&target, &options).unwrap();
     assert!(fit.rms_log10 < two.rms_log10 && two.rms_log10 < one.rms_log10);
+}
+
+/// Whatever the function, the answer is finite, and the mean cosine is kept where that was asked.
+#[test]
+fn any_function_can_be_fitted() {
+    let targets: [PhaseFunction; 4] = [
+        HenyeyGreenstein::new(0.999_999).unwrap().into(),
+        Draine::new(-0.5, 1e3).unwrap().into(),
+        FournierForand::new(1.1, 3.2).unwrap().into(),
+        Tabulated::new(vec![0.0, 1.0, 1.1, std::f64::consts::PI], vec![0.0, 0.0, 1.0, 0.0]).unwrap().into(),
+    ];
+    for target in targets {
+        for weight in [Weight::SolidAngle, Weight::Energy] {
+            for keep_asymmetry in [false, true] {
+                let options = Options { weight, keep_asymmetry };
+                let one = henyey_greenstein(&target, &options).unwrap();
+                let two = double_henyey_greenstein(&target, &options).unwrap();
+                let draine = henyey_greenstein_draine(&target, &options).unwrap();
+                for (rms, g) in [
+                    (one.rms_log10, one.asymmetry_error),
+                    (two.rms_log10, two.asymmetry_error),
+                    (draine.rms_log10, draine.asymmetry_error),
+                ] {
+                    assert!(rms.is_finite() && (!keep_asymmetry || g.abs() < 1e-9), "{target} {options:?}: {rms} {g}");
+                }
+                // A second lobe can always be given no weight, a Draine lobe no alpha: neither may end up worse.
+                assert!(two.rms_log10 < one.rms_log10 * 1.01 + 1e-3, "{target} {options:?}: {two:?} {one:?}");
+                assert!(draine.rms_log10 < two.rms_log10 * 1.1 + 1e-3, "{target} {options:?}: {draine:?} {two:?}");
+            }
+        }
+    }
 }
