@@ -16,7 +16,7 @@ pub struct Comparison {
     pub max_log10: f64,
     /// Mean cosine of the second less that of the first.
     pub delta_asymmetry: f64,
-    /// Total variation distance: the share of the light, 0 to 1, that goes elsewhere, `1/2 Int |a - b|` over the sphere.
+    /// Total variation distance: the share of the light, 0 to 1, that goes elsewhere; `1/2 Int |a - b|`.
     pub total_variation: f64,
 }
 
@@ -54,8 +54,8 @@ mod tests {
         assert_eq!(apart.delta_asymmetry, 0.0);
     }
 
-    /// Rayleigh against isotropic by hand: `|3(1 + mu^2)/16 - 1/4| = |3 mu^2 - 1|/16`, whose integral over mu from -1 to
-    /// 1, times `2 pi / (2 pi)`, halved, is `1/(6 sqrt 3)`.
+    /// Rayleigh against isotropic by hand: `|3(1 + mu^2)/16 - 1/4| = |3 mu^2 - 1|/16`, whose integral over mu from -1
+    /// to 1, times `2 pi / (2 pi)`, halved, is `1/(6 sqrt 3)`.
     #[test]
     fn the_distance_is_the_one_found_by_hand() {
         let apart = compare(&Isotropic.into(), &Rayleigh.into());

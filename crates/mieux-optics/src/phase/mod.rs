@@ -1,4 +1,5 @@
-//! Phase functions: how scattered light spreads over angle. `cos(theta) = 1` is forward; the integral over the sphere is 1.
+//! Phase functions: how scattered light spreads over angle. `cos(theta) = 1` is forward; the integral over the sphere
+//! is 1.
 //!
 //! [`PhaseFunction`] holds any of them. [`Tabulated`] is how Lorenz-Mie results and measurements enter,
 //! [`SpectralPhase`] holds one function per wavelength, [`fit`] turns any function into one of a few parameters, and

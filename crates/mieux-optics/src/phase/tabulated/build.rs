@@ -12,8 +12,8 @@ pub enum TableRule {
     /// Its values at the angles. One evaluation per angle; the grid must resolve what the function does.
     #[default]
     Points,
-    /// Its integral over each bin, and its mean cosine within, to 1e-8: `1 - g` is right on any grid. Fifteen evaluations
-    /// per bin and more. Where a bin's mean lies so close to one end that the line through it would be negative
+    /// Its integral over each bin, and its mean cosine within, to 1e-8: `1 - g` is right on any grid. Sixteen
+    /// evaluations per bin and more. Where a bin's mean lies so close to one end that the line through it would be negative
     /// somewhere, the integral is kept and the mean is not, which the estimated error counts.
     Integrated,
 }
@@ -59,17 +59,20 @@ impl Tabulated {
 
     fn integrated(grid: AngleGrid, mut f: impl FnMut(f64) -> f64) -> Result<Self, PhaseError> {
         let mut ends = Vec::with_capacity(grid.len() - 1);
-        // Of the first moments over all bins: what was lost to keep values positive, and what quadrature left open; and that of
-        // the integral.
+        // Of the first moments of all bins, what was lost to keep values positive, and what quadrature left open; and
+        // what it left open of the integrals.
         let mut lost = 0.0f64;
         let (mut open, mut total_open) = (0.0f64, 0.0f64);
+        // Of any scale: integrals of the values themselves might over- or underflow.
+        let largest = grid.as_slice().iter().map(|&theta| f(theta)).fold(0.0, f64::max);
+        let unit = if largest.is_finite() && largest > 0.0 { largest } else { 1.0 };
         for pair in grid.as_slice().windows(2) {
             let start = away_of(pair[0]);
             let width = away_of(pair[1]) - start;
             let Some(integral) = integrate(pair, 1e-8, [f64::MIN_POSITIVE; 2], |theta| {
                 let value = f(theta);
                 if value >= 0.0 && value.is_finite() {
-                    let weighted = value * theta.sin() / width;
+                    let weighted = value / unit * theta.sin() / width;
                     Ok([weighted, weighted * (away_of(theta) - start) / width])
                 } else {
                     Err(PhaseError::AngleValue { theta_rad: theta, value })

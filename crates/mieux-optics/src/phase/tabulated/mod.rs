@@ -39,7 +39,7 @@ impl Tabulated {
     /// The error of `1 - g` is estimated from how it changes as every second angle is left out, once and again.
     ///
     /// # Errors
-    /// [`PhaseError::TableLength`], [`PhaseError::Angle`], [`PhaseError::AngleValue`] for a value that is negative or not
+    /// [`PhaseError::TableLength`], [`PhaseError::Angle`], [`PhaseError::AngleValue`] for a value negative or not
     /// finite, [`PhaseError::Integral`] if all values are zero.
     pub fn new(angles_rad: Vec<f64>, values: Vec<f64>) -> Result<Self, PhaseError> {
         if angles_rad.len() != values.len() || values.len() < 2 {

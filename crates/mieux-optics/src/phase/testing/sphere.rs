@@ -1,4 +1,4 @@
-//! Lorenz-Mie scattering by one lossless sphere, to tabulate. Kept apart from the library's own, whose tables it judges.
+//! Lorenz-Mie scattering by one lossless sphere, to tabulate. Kept apart from the library's own.
 
 /// Amplitudes of a lossless sphere by the textbook series (`bohren1983`, section 4.4 and 4.8), written for this test.
 pub(crate) struct Sphere {
