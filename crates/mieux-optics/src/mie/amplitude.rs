@@ -206,29 +206,47 @@ const RUN: usize = 512;
 /// Sums over odd and over even orders at non-negative cosines.
 #[inline(always)]
 fn fold<S: Simd>(factors: &[Factors], mu: Re<S>) -> [Sums<Re<S>>; 2] {
-    let (zero, twice) = (mu.same(0.0), mu + mu);
+    let zero = mu.same(0.0);
     let mut total = [[zero; 8]; 2];
-    let (mut before, mut pi) = (zero, mu.same(1.0));
+    let mut wave = Angular { mu, twice: mu + mu, before: zero, pi: mu.same(1.0) };
     for run in factors.chunks(RUN) {
-        let mut out = [[zero; 8]; 2];
+        let (mut odd, mut even) = ([zero; 8], [zero; 8]);
         for pair in run.chunks_exact(2) {
-            for (sums, f) in out.iter_mut().zip(pair) {
-                let t = mu.mul_add(pi, zero - before);
-                let s = twice.mul_add(pi, zero - before);
-                let tau = mu.same(f.n).mul_add(t, zero - before);
-                for k in 0..4 {
-                    sums[k] = mu.same(f.scaled[k]).mul_add(pi, sums[k]);
-                    sums[k + 4] = mu.same(f.scaled[k]).mul_add(tau, sums[k + 4]);
-                }
-                // s + t / n, which unlike (2n + 1)/n and (n + 1)/n is not biased by the rounding of a factor.
-                (before, pi) = (pi, mu.same(f.inverse).mul_add(t, s));
-            }
+            wave.add(&pair[0], &mut odd);
+            wave.add(&pair[1], &mut even);
         }
-        for (total, part) in total.iter_mut().flatten().zip(out.iter().flatten()) {
-            *total = *total + *part;
+        for k in 0..8 {
+            total[0][k] = total[0][k] + odd[k];
+            total[1][k] = total[1][k] + even[k];
         }
     }
     total
+}
+
+/// `pi_{n-1}` and `pi_n` on their way up.
+struct Angular<S: Simd> {
+    mu: Re<S>,
+    twice: Re<S>,
+    before: Re<S>,
+    pi: Re<S>,
+}
+
+impl<S: Simd> Angular<S> {
+    #[inline(always)]
+    fn add(&mut self, f: &Factors, sums: &mut Sums<Re<S>>) {
+        let Self { mu, twice, before, pi } = *self;
+        let minus = mu.same(0.0) - before;
+        let t = mu.mul_add(pi, minus);
+        let s = twice.mul_add(pi, minus);
+        let tau = mu.same(f.n).mul_add(t, minus);
+        for k in 0..4 {
+            let factor = mu.same(f.scaled[k]);
+            sums[k] = factor.mul_add(pi, sums[k]);
+            sums[k + 4] = factor.mul_add(tau, sums[k + 4]);
+        }
+        // s + t / n, which unlike (2n + 1)/n and (n + 1)/n is not biased by the rounding of a factor.
+        (self.before, self.pi) = (pi, mu.same(f.inverse).mul_add(t, s));
+    }
 }
 
 /// `S1` and `S2`, by the symmetries `pi_n(-mu) = (-1)^(n+1) pi_n(mu)` and `tau_n(-mu) = (-1)^n tau_n(mu)`.
