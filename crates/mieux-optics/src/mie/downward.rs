@@ -17,7 +17,7 @@ pub(super) const GROWTH: f64 = 138.0;
 /// Everything that runs downward, at one order `n` and the next: `psi` and `p`, each with a factor of its own, and `M`
 /// with both.
 #[derive(Clone, Copy)]
-pub(super) struct Checkpoint<S: Simd, W> {
+struct Checkpoint<S: Simd, W> {
     psi: Descent<W>,
     p: Descent<Cx<S>>,
     magnetic: Descent<Cx<S>>,
@@ -42,6 +42,19 @@ impl<S: Simd, W: Wave<S>> Checkpoint<S, W> {
     }
 }
 
+/// Memory that one group after another makes use of.
+pub(super) struct Scratch<S: Simd, W> {
+    checkpoints: Vec<Checkpoint<S, W>>,
+    /// `psi`, `p` and `M` over one run.
+    kept: Vec<(W, Cx<S>, Cx<S>)>,
+}
+
+impl<S: Simd, W> Scratch<S, W> {
+    pub fn new() -> Self {
+        Self { checkpoints: Vec::new(), kept: Vec::new() }
+    }
+}
+
 /// All orders with `psi` and `p` by downward recurrences. They are run through once to leave a checkpoint every few
 /// orders, then again run by run, so that memory stays small at any size.
 #[inline(always)]
@@ -49,18 +62,21 @@ pub(super) fn downward<S: Simd, H: Host<S>>(
     simd: S,
     group: &Group,
     weights: &mut Weights,
-    checkpoints: &mut Vec<Checkpoint<S, H::Wave>>,
+    scratch: &mut Scratch<S, H::Wave>,
     sink: &mut impl Sink<S>,
 ) {
     let constants = Constants::<S, H>::new(simd, group);
     let growth = (2.0 * group.start[0].max(group.start[1]) as f64 + 1.0) / group.smallest + 1.0;
     let run = ((GROWTH / growth.ln()) as usize).clamp(4, BLOCK);
+    let Scratch { checkpoints, kept } = scratch;
     descend(&constants, group, run, checkpoints);
 
     let [_, chi] = H::start(simd, constants.x, constants.inverse_x);
     let mut chi = up(constants.inverse_x, constants.real(1.0), chi);
     let zero = Cx { re: constants.real(0.0), im: constants.real(0.0) };
-    let mut kept = [(constants.x, zero, zero); BLOCK + 1];
+    kept.resize(BLOCK + 1, (constants.x, zero, zero));
+    // A whole array, so that its bounds are known.
+    let Some(kept) = kept.first_chunk_mut::<{ BLOCK + 1 }>() else { return };
     let mut first = 1;
     while let Some(mut at) = checkpoints.pop() {
         let count = run.min(group.order + 1 - first);

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use pulp::{Simd, WithSimd};
 
 use super::coefficients::{Coefficients, Keep};
-use super::downward::{Checkpoint, downward};
+use super::downward::{Scratch, downward};
 use super::elementary::NARROW;
 use super::host::{Absorbing, Lossless, Opaque};
 use super::kernel::{Group, Sink};
@@ -208,13 +208,13 @@ impl WithSimd for ScatterSpheres<'_> {
 struct Series<S: Simd> {
     simd: S,
     weights: Weights,
-    real: Vec<Checkpoint<S, Re<S>>>,
-    complex: Vec<Checkpoint<S, Cx<S>>>,
+    real: Scratch<S, Re<S>>,
+    complex: Scratch<S, Cx<S>>,
 }
 
 impl<S: Simd> Series<S> {
     fn new(simd: S) -> Self {
-        Self { simd, weights: Weights::new(), real: Vec::new(), complex: Vec::new() }
+        Self { simd, weights: Weights::new(), real: Scratch::new(), complex: Scratch::new() }
     }
 
     /// Scattering by those of the spheres that are members, all of one class.
