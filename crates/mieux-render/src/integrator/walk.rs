@@ -58,54 +58,46 @@ impl Account {
     }
 }
 
-/// Walks from `ray` until a surface, the length `limit` (m), or the end; `ray` is left at the last collision and
-/// `exclude` cleared after the first. The hero's extinction gives the free flights and its asymmetry the angles;
-/// absorption only weighs. Returns the end and the length walked (m).
-///
-/// A sphere known to hold no surface (around where the nearest one was last looked for) spares most steps the test.
-#[allow(clippy::too_many_arguments)]
+/// What a walk moves: where the light is, and what it carries.
+pub(crate) struct Flight<'a> {
+    /// Left at the last collision, or before the surface met.
+    pub(crate) ray: &'a mut Ray,
+    /// The triangle the ray has just left; cleared after the first collision.
+    pub(crate) exclude: &'a mut u32,
+    pub(crate) throughput: &'a mut Throughput,
+}
+
+/// Walks until a surface, the length `limit` (m), or the end. The hero's extinction gives the free flights and its
+/// asymmetry the angles; absorption only weighs. Returns the end and the length walked (m).
 pub(crate) fn walk(
     accelerator: &Accelerator,
     medium: &Turbid,
-    ray: &mut Ray,
-    exclude: &mut u32,
+    flight: Flight<'_>,
     limit: f64,
-    throughput: &mut Throughput,
     outer: &mut Pcg64Mcg,
     statistics: &mut Statistics,
 ) -> (WalkEnd, f64) {
+    let Flight { ray, exclude, throughput } = flight;
     // A copy of its own stays in registers.
     let mut generator = outer.clone();
-    let exponential = Exponential::get();
+    let (exponential, turn, phase) = (Exponential::get(), Turn::get(), Hero::new(medium));
     let mean_free_path = 1.0 / medium.sigma_t[0];
-    let enough = ENOUGH * mean_free_path;
-    let phase = Hero::new(medium);
-    let turn = Turn::get();
-    let mut forward = ray.direction;
-    let mut place = ray.origin;
-    let (mut centre, mut clear) = (place, -1.0);
+    let Ray { origin: mut place, direction: mut forward } = *ray;
+    let mut space = Space::new(accelerator, ENOUGH * mean_free_path, *exclude);
     let mut account = Account::EMPTY;
-    let (mut walked, mut left) = (0.0, limit);
-    let mut closed = 0u64;
-    let (low, high) = accelerator.bounds();
+    let (mut walked, mut closed) = (0.0, 0u64);
     let end = loop {
         let step = exponential.sample(&mut generator) * mean_free_path;
         let next = place + forward * step;
-        if (next - centre).length_squared() >= clear {
-            let free = accelerator.clearance(place, step, enough);
-            (centre, clear) = (place, free * free);
-            if step >= free {
-                ray.origin = place;
-                ray.direction = forward;
-                if let Some(hit) = accelerator.intersect(ray, step, *exclude) {
+        if (next - space.centre).length_squared() >= space.clear {
+            match space.look(place, forward, step) {
+                Sight::Free => {}
+                Sight::Surface(hit) => {
                     account.length += hit.t;
                     break WalkEnd::Hit(hit);
                 }
+                Sight::Outside => break WalkEnd::Lost,
             }
-            if !(place.cmpge(low).all() && place.cmple(high).all()) {
-                break WalkEnd::Lost;
-            }
-            *exclude = Accelerator::NONE;
         }
         place = next;
         account.length += step;
@@ -116,10 +108,9 @@ pub(crate) fn walk(
             *product *= fixed - slope * mu;
         }
         forward = scattered(forward, mu, turn.angle(bits as u32));
-        if account.collisions >= medium.interval || account.length > left {
+        if account.collisions >= medium.interval || walked + account.length > limit {
             closed += u64::from(account.collisions);
             walked += account.length;
-            left = limit - walked;
             account.close(medium, throughput);
             // Takes out the rounding of many turns.
             forward = forward.normalize();
@@ -135,12 +126,50 @@ pub(crate) fn walk(
         }
     };
     *outer = generator;
-    ray.origin = place;
-    ray.direction = forward;
+    (ray.origin, ray.direction, *exclude) = (place, forward, space.exclude);
     statistics.collisions += closed + u64::from(account.collisions);
     walked += account.length;
     account.close(medium, throughput);
     (end, walked)
+}
+
+/// What is known about the surfaces around a walk: a sphere that holds none, around where the nearest one was last
+/// looked for, spares most steps the test.
+struct Space<'a> {
+    accelerator: &'a Accelerator,
+    enough: f64,
+    exclude: u32,
+    centre: DVec3,
+    /// Square of the sphere's radius; below 0 if nothing is known.
+    clear: f64,
+}
+
+/// What lies on a step.
+enum Sight {
+    Free,
+    Surface(Hit),
+    Outside,
+}
+
+impl<'a> Space<'a> {
+    fn new(accelerator: &'a Accelerator, enough: f64, exclude: u32) -> Self {
+        Self { accelerator, enough, exclude, centre: DVec3::ZERO, clear: -1.0 }
+    }
+
+    /// What a step from `place` meets that may leave the sphere.
+    fn look(&mut self, place: DVec3, forward: DVec3, step: f64) -> Sight {
+        let free = self.accelerator.clearance(place, step, self.enough);
+        (self.centre, self.clear) = (place, free * free);
+        if step >= free {
+            let ray = Ray { origin: place, direction: forward };
+            if let Some(hit) = self.accelerator.intersect(&ray, step, self.exclude) {
+                return Sight::Surface(hit);
+            }
+        }
+        self.exclude = Accelerator::NONE;
+        let (low, high) = self.accelerator.bounds();
+        if place.cmpge(low).all() && place.cmple(high).all() { Sight::Free } else { Sight::Outside }
+    }
 }
 
 /// The hero's phase function, and what every wavelength's contributes to the account.
@@ -243,16 +272,8 @@ mod tests {
             ray.origin.z -= 1e-10;
             loop {
                 let before = throughput.share();
-                let (end, length) = walk(
-                    &accelerator,
-                    &medium,
-                    &mut ray,
-                    &mut exclude,
-                    0.0,
-                    &mut throughput,
-                    &mut generator,
-                    &mut statistics,
-                );
+                let flight = Flight { ray: &mut ray, exclude: &mut exclude, throughput: &mut throughput };
+                let (end, length) = walk(&accelerator, &medium, flight, 0.0, &mut generator, &mut statistics);
                 kept += before * 300.0 * length;
                 match end {
                     WalkEnd::Hit(_) if ray.direction.z > 0.0 => reflected += throughput.share(),
