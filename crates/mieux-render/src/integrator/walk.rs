@@ -41,6 +41,16 @@ struct Account {
 impl Account {
     const EMPTY: Self = Self { length: 0.0, collisions: 0, angles: [1.0; LANES] };
 
+    /// A flight of `step` (m) and a turn by the cosine `mu`.
+    #[inline(always)]
+    fn collide(&mut self, step: f64, mu: f64, phase: &Hero) {
+        self.length += step;
+        self.collisions += 1;
+        for (product, (fixed, slope)) in self.angles.iter_mut().zip(phase.denominators) {
+            *product *= fixed - slope * mu;
+        }
+    }
+
     /// Writes the account into the throughput and starts a new one.
     fn close(&mut self, medium: &Turbid, throughput: &mut Throughput) {
         let count = f64::from(self.collisions);
@@ -90,23 +100,15 @@ pub(crate) fn walk(
         let step = exponential.sample(&mut generator) * mean_free_path;
         let next = place + forward * step;
         if (next - space.centre).length_squared() >= space.clear {
-            match space.look(place, forward, step) {
-                Sight::Free => {}
-                Sight::Surface(hit) => {
-                    account.length += hit.t;
-                    break WalkEnd::Hit(hit);
-                }
-                Sight::Outside => break WalkEnd::Lost,
+            if let Some((end, length)) = space.look(place, forward, step) {
+                account.length += length;
+                break end;
             }
         }
         place = next;
-        account.length += step;
-        account.collisions += 1;
         let bits = generator.next_u64();
         let mu = phase.sample(bits);
-        for (product, (fixed, slope)) in account.angles.iter_mut().zip(phase.denominators) {
-            *product *= fixed - slope * mu;
-        }
+        account.collide(step, mu, &phase);
         forward = scattered(forward, mu, turn.angle(bits as u32));
         if account.collisions >= medium.interval || walked + account.length > limit {
             closed += u64::from(account.collisions);
@@ -144,31 +146,25 @@ struct Space<'a> {
     clear: f64,
 }
 
-/// What lies on a step.
-enum Sight {
-    Free,
-    Surface(Hit),
-    Outside,
-}
-
 impl<'a> Space<'a> {
     fn new(accelerator: &'a Accelerator, enough: f64, exclude: u32) -> Self {
         Self { accelerator, enough, exclude, centre: DVec3::ZERO, clear: -1.0 }
     }
 
-    /// What a step from `place` meets that may leave the sphere.
-    fn look(&mut self, place: DVec3, forward: DVec3, step: f64) -> Sight {
+    /// Whether a step from `place` that may leave the sphere ends the walk, and after which length.
+    fn look(&mut self, place: DVec3, forward: DVec3, step: f64) -> Option<(WalkEnd, f64)> {
         let free = self.accelerator.clearance(place, step, self.enough);
         (self.centre, self.clear) = (place, free * free);
         if step >= free {
             let ray = Ray { origin: place, direction: forward };
             if let Some(hit) = self.accelerator.intersect(&ray, step, self.exclude) {
-                return Sight::Surface(hit);
+                return Some((WalkEnd::Hit(hit), hit.t));
             }
         }
         self.exclude = Accelerator::NONE;
         let (low, high) = self.accelerator.bounds();
-        if place.cmpge(low).all() && place.cmple(high).all() { Sight::Free } else { Sight::Outside }
+        let inside = place.cmpge(low).all() && place.cmple(high).all();
+        (!inside).then_some((WalkEnd::Lost, 0.0))
     }
 }
 
