@@ -99,11 +99,11 @@ pub(crate) fn walk(
     let end = loop {
         let step = exponential.sample(&mut generator) * mean_free_path;
         let next = place + forward * step;
-        if (next - space.centre).length_squared() >= space.clear {
-            if let Some((end, length)) = space.look(place, forward, step) {
-                account.length += length;
-                break end;
-            }
+        if (next - space.centre).length_squared() >= space.clear
+            && let Some((end, length)) = space.look(place, forward, step)
+        {
+            account.length += length;
+            break end;
         }
         place = next;
         let bits = generator.next_u64();
