@@ -8,6 +8,7 @@ mod amplitude;
 mod coefficients;
 mod downward;
 mod elementary;
+mod gradient;
 mod host;
 mod kernel;
 mod lanes;
@@ -23,6 +24,7 @@ mod weights;
 
 pub use amplitude::{Directions, Mueller};
 pub use coefficients::Coefficients;
+pub use gradient::{Slope, SphereGradient};
 pub use layered_sphere::{Layer, LayeredSphere, scatter_layered_spheres};
 pub use population::{Population, PopulationError, PopulationScattering};
 pub use sphere::{Sphere, scatter_sphere, scatter_spheres};
