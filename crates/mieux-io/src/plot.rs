@@ -1,11 +1,14 @@
 //! Figures: panels of lines with titles, units and legends, as SVG or PNG.
 //!
 //! A [`Panel`] holds [`Series`] of points on a linear or logarithmic axis, a [`Figure`] holds panels in columns.
-//! [`optics_figure`] is the figure of a material's optical properties.
+//! A [`PolarPanel`] shows a value over the angle from the direction of light. [`optics_figure`] is the figure of a
+//! material's optical properties; [`efficiency_figure`], [`phase_figure`] and [`polarisation_figure`] show one particle.
 
 mod axis;
 mod legend;
+mod mie;
 mod optics;
+mod polar;
 
 use kuva::plot::line::LineStyle;
 use kuva::plot::{LegendPosition, LinePlot, ScatterPlot};
@@ -14,7 +17,9 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 
 use axis::Axis;
+pub use mie::{SizePlot, efficiency_figure, phase_figure, polarisation_figure};
 pub use optics::{OpticsPlot, optics_figure, optics_svg};
+pub use polar::PolarPanel;
 
 /// Colours that most people tell apart (Okabe and Ito), and dashes for those who do not.
 const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#333333"];
@@ -244,7 +249,23 @@ fn literal(text: &str) -> String {
 pub struct Figure {
     title: String,
     columns: usize,
-    panels: Vec<Panel>,
+    panels: Vec<Pane>,
+}
+
+/// Anything that takes a place in a figure.
+#[derive(Debug, Clone, PartialEq)]
+enum Pane {
+    Lines(Panel),
+    Polar(PolarPanel),
+}
+
+impl Pane {
+    fn drawn(&self) -> Result<(Vec<Plot>, Layout), PlotError> {
+        match self {
+            Self::Lines(panel) => panel.drawn(!panel.title.is_empty()),
+            Self::Polar(panel) => panel.drawn(),
+        }
+    }
 }
 
 impl Figure {
@@ -255,7 +276,13 @@ impl Figure {
 
     /// Adds a panel.
     pub fn with_panel(mut self, panel: Panel) -> Self {
-        self.panels.push(panel);
+        self.panels.push(Pane::Lines(panel));
+        self
+    }
+
+    /// Adds a polar panel.
+    pub fn with_polar_panel(mut self, panel: PolarPanel) -> Self {
+        self.panels.push(Pane::Polar(panel));
         self
     }
 
@@ -290,16 +317,18 @@ impl Figure {
         let rows = self.panels.len().div_ceil(columns);
         let (mut plots, mut layouts) = (Vec::new(), Vec::new());
         for panel in &self.panels {
-            let (panel_plots, layout) = panel.drawn(!panel.title.is_empty())?;
+            let (panel_plots, layout) = panel.drawn()?;
             plots.push(panel_plots);
             layouts.push(layout);
         }
+        // A circle wants a square.
+        let height = if self.panels.iter().any(|p| matches!(p, Pane::Polar(_))) { 440.0 } else { 320.0 };
         let structure = (0..self.panels.len()).map(|i| vec![i]).collect();
         let mut drawing = Drawing::new(rows, columns)
             .with_structure(structure)
             .with_plots(plots)
             .with_layouts(layouts)
-            .with_cell_size(460.0, 320.0)
+            .with_cell_size(460.0, height)
             .with_title_size(18)
             .with_padding(14.0);
         if !self.title.is_empty() {

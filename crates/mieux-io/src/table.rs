@@ -80,6 +80,11 @@ impl Table {
         Ok(self)
     }
 
+    /// The same table without its title.
+    pub fn without_title(self) -> Self {
+        Self { title: String::new(), ..self }
+    }
+
     /// The title.
     pub fn title(&self) -> &str {
         &self.title

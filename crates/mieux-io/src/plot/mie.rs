@@ -1,0 +1,86 @@
+//! The figures of what one particle does to light.
+
+use super::{Figure, Panel, PolarPanel, Scale, Series};
+
+/// Particles that differ in size alone, one value of each quantity per particle.
+#[derive(Debug, Clone, Copy)]
+pub struct SizePlot<'a> {
+    /// Real part of the size parameter, ascending.
+    pub size_parameter: &'a [f64],
+    /// Efficiency of extinction.
+    pub q_ext: &'a [f64],
+    /// Efficiency of scattering.
+    pub q_sca: &'a [f64],
+    /// Efficiency of absorption.
+    pub q_abs: &'a [f64],
+    /// Mean cosine of scattering.
+    pub asymmetry: &'a [f64],
+    /// The particle that the others are compared with: size parameter, efficiency of extinction, asymmetry.
+    pub here: [f64; 3],
+}
+
+/// Efficiencies and asymmetry over the size parameter. Sizes beyond the shortest quantity, and values that are not finite,
+/// are left out.
+pub fn efficiency_figure(title: &str, sizes: &SizePlot<'_>) -> Figure {
+    let [x, q_ext, g] = sizes.here;
+    let series = |label: &str, values: &[f64]| {
+        Series::new(label, sizes.size_parameter.iter().copied().zip(values.iter().copied()))
+    };
+    let lowest = sizes.asymmetry.iter().copied().filter(|g| g.is_finite()).fold(0.0, f64::min);
+    let lower = if lowest < -0.02 { -1.0 } else { 0.0 };
+    let axis = "Size parameter x = 2πrn/λ";
+    let efficiencies = Panel::new("Efficiencies", axis, "Q = C/πr²")
+        .with_scales(Scale::Log, Scale::LinearOver(0.0, 0.1))
+        .with_series(series("extinction", sizes.q_ext))
+        .with_series(series("scattering", sizes.q_sca))
+        .with_series(series("absorption", sizes.q_abs))
+        .with_series(Series::new("this particle", [(x, q_ext)]));
+    let asymmetry = Panel::new("Asymmetry", axis, "Mean cosine g")
+        .with_scales(Scale::Log, Scale::LinearOver(lower, 1.0))
+        .with_series(series("asymmetry", sizes.asymmetry))
+        .with_series(Series::new("this particle", [(x, g)]));
+    Figure::new(title, 2).with_panel(efficiencies).with_panel(asymmetry)
+}
+
+/// The phase function (1/sr) over the scattering angle (degrees, 0 forward), as a polar and as a plain curve.
+pub fn phase_figure(title: &str, angles: &[f64], phase: &[f64]) -> Figure {
+    let points = || angles.iter().copied().zip(phase.iter().copied());
+    let polar = PolarPanel::new("log₁₀ of the phase function (1/sr)", points());
+    let plain = Panel::new("Phase function", "Scattering angle (degrees)", "Phase function (1/sr)")
+        .with_scales(Scale::LinearOver(0.0, 180.0), Scale::Log)
+        .with_series(Series::new("", points()));
+    Figure::new(title, 2).with_polar_panel(polar).with_panel(plain)
+}
+
+/// The degree of linear polarisation (-1 to 1) over the scattering angle (degrees, 0 forward).
+pub fn polarisation_figure(title: &str, angles: &[f64], polarisation: &[f64]) -> Figure {
+    let panel = Panel::new("", "Scattering angle (degrees)", "Degree of linear polarisation \u{2212}P12/P11")
+        .with_scales(Scale::LinearOver(0.0, 180.0), Scale::LinearOver(-1.0, 1.0))
+        .with_series(Series::new("", angles.iter().copied().zip(polarisation.iter().copied())));
+    Figure::new(title, 1).with_panel(panel)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_figures_name_what_they_show() {
+        let x: Vec<f64> = (0..300).map(|i| 10f64.powf(f64::from(i) / 100.0 - 2.0)).collect();
+        let q: Vec<f64> = x.iter().map(|x| 2.0 * x / (1.0 + x)).collect();
+        let sizes =
+            SizePlot { size_parameter: &x, q_ext: &q, q_sca: &q, q_abs: &q, asymmetry: &q, here: [1.0, 1.0, 0.2] };
+        let text = efficiency_figure("a sphere", &sizes).to_svg().unwrap();
+        for part in ["a sphere", "Efficiencies", "Asymmetry", "Size parameter", "this particle", "absorption"] {
+            assert!(text.contains(part), "{part}");
+        }
+        let angles: Vec<f64> = (0..=180).map(f64::from).collect();
+        let phase: Vec<f64> = angles.iter().map(|a| 10f64.powf(2.0 - a / 40.0)).collect();
+        let text = phase_figure("a sphere", &angles, &phase).to_svg().unwrap();
+        assert!(text.contains("Phase function (1/sr)") && text.contains("Scattering angle (degrees)"));
+        let nothing = vec![f64::NAN; angles.len()];
+        assert!(polarisation_figure("", &angles, &nothing).to_svg().is_err());
+        let text = polarisation_figure("", &angles, &vec![0.5; angles.len()]).to_svg().unwrap();
+        assert!(text.contains("Degree of linear polarisation") && !text.contains("NaN"));
+    }
+}
