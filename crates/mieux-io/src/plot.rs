@@ -27,6 +27,9 @@ const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00
 /// Up to so many points, each gets a marker.
 const MARKED_POINTS: usize = 40;
 
+/// Width of a panel with its labels, in units of the drawing.
+const CELL_WIDTH: f64 = 460.0;
+
 /// What can be wrong with a figure.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlotError {
@@ -63,6 +66,8 @@ pub enum Scale {
     Linear,
     /// Evenly, over these two values at least.
     LinearOver(f64, f64),
+    /// Evenly from 0 to 180 degrees, a tick every 30.
+    ScatteringAngle,
     /// By factors. Points that are not more than 0 are left out; with none left, the axis is linear.
     Log,
 }
@@ -328,14 +333,21 @@ impl Figure {
             .with_structure(structure)
             .with_plots(plots)
             .with_layouts(layouts)
-            .with_cell_size(460.0, height)
-            .with_title_size(18)
+            .with_cell_size(CELL_WIDTH, height)
+            .with_title_size(title_size(&self.title, columns))
             .with_padding(14.0);
         if !self.title.is_empty() {
             drawing = drawing.with_title(literal(&self.title));
         }
         Ok(drawing.render())
     }
+}
+
+/// 18, or less where the title would not fit above so many columns.
+fn title_size(title: &str, columns: usize) -> u32 {
+    // A letter is some 0.6 of the size wide.
+    let fits = columns as f64 * CELL_WIDTH / (0.6 * title.chars().count().max(1) as f64);
+    fits.clamp(9.0, 18.0) as u32
 }
 
 #[cfg(test)]

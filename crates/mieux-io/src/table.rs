@@ -161,7 +161,7 @@ fn comment(out: &mut impl Write, text: &str) -> io::Result<()> {
 }
 
 /// The shortest decimal number that reads back as `value`; nothing for NaN.
-fn exact(value: f64) -> String {
+pub fn exact(value: f64) -> String {
     match value.abs() {
         _ if value.is_nan() => String::new(),
         0.0 => "0".to_owned(),

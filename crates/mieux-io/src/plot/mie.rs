@@ -37,7 +37,7 @@ pub fn efficiency_figure(title: &str, sizes: &SizePlot<'_>) -> Figure {
         .with_series(Series::new("this particle", [(x, q_ext)]));
     let asymmetry = Panel::new("Asymmetry", axis, "Mean cosine g")
         .with_scales(Scale::Log, Scale::LinearOver(lower, 1.0))
-        .with_series(series("asymmetry", sizes.asymmetry))
+        .with_series(series("", sizes.asymmetry))
         .with_series(Series::new("this particle", [(x, g)]));
     Figure::new(title, 2).with_panel(efficiencies).with_panel(asymmetry)
 }
@@ -47,17 +47,26 @@ pub fn phase_figure(title: &str, angles: &[f64], phase: &[f64]) -> Figure {
     let points = || angles.iter().copied().zip(phase.iter().copied());
     let polar = PolarPanel::new("log₁₀ of the phase function (1/sr)", points());
     let plain = Panel::new("Phase function", "Scattering angle (degrees)", "Phase function (1/sr)")
-        .with_scales(Scale::LinearOver(0.0, 180.0), Scale::Log)
+        .with_scales(Scale::ScatteringAngle, Scale::Log)
         .with_series(Series::new("", points()));
     Figure::new(title, 2).with_polar_panel(polar).with_panel(plain)
 }
 
-/// The degree of linear polarisation (-1 to 1) over the scattering angle (degrees, 0 forward).
-pub fn polarisation_figure(title: &str, angles: &[f64], polarisation: &[f64]) -> Figure {
-    let panel = Panel::new("", "Scattering angle (degrees)", "Degree of linear polarisation \u{2212}P12/P11")
-        .with_scales(Scale::LinearOver(0.0, 180.0), Scale::LinearOver(-1.0, 1.0))
-        .with_series(Series::new("", angles.iter().copied().zip(polarisation.iter().copied())));
-    Figure::new(title, 1).with_panel(panel)
+/// Phase functions (1/sr) of light polarised across and along the plane of scattering, and the degree of linear
+/// polarisation (-1 to 1) that unpolarised light takes on, over the scattering angle (degrees, 0 forward).
+pub fn polarisation_figure(title: &str, angles: &[f64], across_and_along: &[[f64; 2]]) -> Figure {
+    let series = |label: &str, value: fn(&[f64; 2]) -> f64| {
+        Series::new(label, angles.iter().copied().zip(across_and_along.iter().map(value)))
+    };
+    let axis = "Scattering angle (degrees)";
+    let parts = Panel::new("Light polarised one way", axis, "Phase function (1/sr)")
+        .with_scales(Scale::ScatteringAngle, Scale::Log)
+        .with_series(series("across the plane of scattering", |p| p[0]))
+        .with_series(series("along it", |p| p[1]));
+    let degree = Panel::new("Unpolarised light", axis, "Degree of linear polarisation")
+        .with_scales(Scale::ScatteringAngle, Scale::LinearOver(-1.0, 1.0))
+        .with_series(series("", |[across, along]| (across - along) / (across + along)));
+    Figure::new(title, 2).with_panel(degree).with_panel(parts)
 }
 
 #[cfg(test)]
@@ -78,9 +87,23 @@ mod tests {
         let phase: Vec<f64> = angles.iter().map(|a| 10f64.powf(2.0 - a / 40.0)).collect();
         let text = phase_figure("a sphere", &angles, &phase).to_svg().unwrap();
         assert!(text.contains("Phase function (1/sr)") && text.contains("Scattering angle (degrees)"));
-        let nothing = vec![f64::NAN; angles.len()];
+        let nothing = vec![[0.0; 2]; angles.len()];
         assert!(polarisation_figure("", &angles, &nothing).to_svg().is_err());
-        let text = polarisation_figure("", &angles, &vec![0.5; angles.len()]).to_svg().unwrap();
-        assert!(text.contains("Degree of linear polarisation") && !text.contains("NaN"));
+        let rayleigh: Vec<_> = angles.iter().map(|a| [1.0, a.to_radians().cos().powi(2)]).collect();
+        let text = polarisation_figure("", &angles, &rayleigh).to_svg().unwrap();
+        assert!(text.contains("Degree of linear polarisation") && text.contains("along it") && !text.contains("NaN"));
+    }
+
+    #[test]
+    fn a_long_title_fits() {
+        let angles = [0.0, 180.0];
+        let size = |letters: usize| {
+            let text = phase_figure(&"m".repeat(letters), &angles, &[1.0, 1.0]).to_svg().unwrap();
+            let title = text.find("mmm").unwrap();
+            let from = text[..title].rfind("font-size=\"").unwrap() + 11;
+            text[from..].split('"').next().unwrap().parse::<f64>().unwrap()
+        };
+        assert_eq!(size(20), 18.0);
+        assert!(size(110) < 14.0 && size(500) >= 9.0, "{} {}", size(110), size(500));
     }
 }

@@ -3,7 +3,6 @@
 use mieux_io::plot::{SizePlot, efficiency_figure, phase_figure, polarisation_figure};
 use mieux_optics::mie::Directions;
 
-use super::sheet::polarisation;
 use super::{Context, Event, JobError, MieSheet, Particle, Stage};
 
 /// Sizes in the curve of efficiencies.
@@ -26,10 +25,11 @@ pub(super) fn figures(
     let (angles, directions) = directions(sheet.scattering.size_parameter.norm());
     let mueller = particle.coefficients()?.mueller(&directions);
     let phase: Vec<f64> = mueller.iter().map(|m| m.p11).collect();
+    let parts: Vec<[f64; 2]> = mueller.iter().map(|m| [m.p11 - m.p12, m.p11 + m.p12]).collect();
     Ok(vec![
         ("efficiencies.svg", efficiencies),
         ("phase-function.svg", phase_figure(&title, &angles, &phase).to_svg()?),
-        ("polarisation.svg", polarisation_figure(&title, &angles, &polarisation(&mueller)).to_svg()?),
+        ("polarisation.svg", polarisation_figure(&title, &angles, &parts).to_svg()?),
     ])
 }
 

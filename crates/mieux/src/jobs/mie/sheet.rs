@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::io::{self, Write};
 
 use mieux_io::quantity::format_length;
-use mieux_io::table::Table;
+use mieux_io::table::{Table, exact};
 use mieux_optics::Complex64;
 use mieux_optics::mie::{Directions, Mueller, SphereScattering};
 use serde::Serialize;
@@ -44,13 +44,9 @@ impl Directional {
 
     /// Degree of linear polarisation of what unpolarised light becomes, -1 to 1; NaN where nothing is scattered.
     pub fn polarisation(&self) -> Vec<f64> {
-        polarisation(&self.mueller)
+        // 0 - x is never the -0 that looks odd in a table.
+        self.column(|m| 0.0 - m.p12 / m.p11)
     }
-}
-
-pub(super) fn polarisation(mueller: &[Mueller]) -> Vec<f64> {
-    // 0 - x is never the -0 that looks odd in a table.
-    mueller.iter().map(|m| 0.0 - m.p12 / m.p11).collect()
 }
 
 impl MieSheet {
@@ -142,7 +138,7 @@ impl MieSheet {
         let mut table = self.head();
         for (name, unit, value) in self.values() {
             let key = if unit.is_empty() { name.to_owned() } else { format!("{name}_{unit}") };
-            table = table.with_metadata(key, format!("{value:e}"));
+            table = table.with_metadata(key, exact(value));
         }
         table = table.with_metadata("of the Mueller matrix", "p11 = p22 = phase, p21 = p12, p44 = p33, p43 = -p34");
         let amplitude = |part: fn(&[Complex64; 2]) -> f64| d.amplitudes.iter().map(part).collect::<Vec<_>>();
