@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 use pulp::{Simd, WithSimd};
 
+use super::MieError;
 use super::coefficients::Coefficients;
 use super::lanes::{LaneArray, MAX_LANES, Re};
 
@@ -73,14 +74,22 @@ impl Directions {
 impl Coefficients {
     /// Amplitudes `[S1, S2]` (eq 4.74 of `bohren1983`, eq 11-12 of `frisvad2007`) for every direction.
     ///
-    /// They overflow where the host absorbs more than `exp(-680)`, which no particle that can be made does.
-    pub fn amplitudes(&self, directions: &Directions) -> Vec<[Complex64; 2]> {
-        let factor = self.factor();
-        self.stored_amplitudes(directions).into_iter().map(|s| s.map(|s| s * factor)).collect()
+    /// # Errors
+    /// [`MieError::Cancellation`] where the host absorbs so much that forward amplitudes are lost to rounding.
+    pub fn amplitudes(&self, directions: &Directions) -> Result<Vec<[Complex64; 2]>, MieError> {
+        let mut amplitudes = self.stored_amplitudes(directions)?;
+        if self.scaled {
+            let factor = self.factor();
+            amplitudes.iter_mut().flatten().for_each(|s| *s *= factor);
+        }
+        Ok(amplitudes)
     }
 
     /// Mueller matrix elements for every direction, normalised so that `p11` is the phase function.
-    pub fn mueller(&self, directions: &Directions) -> Vec<Mueller> {
+    ///
+    /// # Errors
+    /// As for [`Self::amplitudes`].
+    pub fn mueller(&self, directions: &Directions) -> Result<Vec<Mueller>, MieError> {
         let norm = if self.norm() > 0.0 { 1.0 / (2.0 * PI * self.norm()) } else { 0.0 };
         let element = |[s1, s2]: [Complex64; 2]| {
             let cross = s2 * s1.conj();
@@ -91,99 +100,118 @@ impl Coefficients {
                 p34: norm * cross.im,
             }
         };
-        self.stored_amplitudes(directions).into_iter().map(element).collect()
+        Ok(self.stored_amplitudes(directions)?.into_iter().map(element).collect())
     }
 
     /// Phase function in 1/sr for every direction.
-    pub fn phase_function(&self, directions: &Directions) -> Vec<f64> {
-        self.mueller(directions).into_iter().map(|m| m.p11).collect()
+    ///
+    /// # Errors
+    /// As for [`Self::amplitudes`].
+    pub fn phase_function(&self, directions: &Directions) -> Result<Vec<f64>, MieError> {
+        Ok(self.mueller(directions)?.into_iter().map(|m| m.p11).collect())
     }
 
     /// Amplitudes without the factor that the stored coefficients lack.
-    pub(super) fn stored_amplitudes(&self, directions: &Directions) -> Vec<[Complex64; 2]> {
-        pulp::Arch::new().dispatch(Fold { terms: &self.terms, directions })
+    pub(super) fn stored_amplitudes(&self, directions: &Directions) -> Result<Vec<[Complex64; 2]>, MieError> {
+        if self.scaled {
+            self.scattering()?;
+        }
+        Ok(pulp::Arch::new().dispatch(Fold { terms: &self.terms, directions }))
     }
 }
 
-/// `c_n (a_n + b_n)` and `c_n (a_n - b_n)` with `c_n = (2n + 1) / (n (n + 1))`, and `n`.
+/// What the sums over angle take from one order.
+#[derive(Clone, Copy, Default)]
 struct Factors {
     n: f64,
-    /// `(n + 1) / n`
-    rise: f64,
-    plus: Complex64,
-    minus: Complex64,
+    /// `1 / n`
+    inverse: f64,
+    /// `c_n a_n` and `c_n b_n` with `c_n = (2n + 1) / (n (n + 1))`: real and imaginary parts.
+    scaled: [f64; 4],
 }
+
+impl Factors {
+    fn new((i, [a, b]): (usize, &[Complex64; 2])) -> Self {
+        let n = i as f64 + 1.0;
+        let c = (2.0 * n + 1.0) / (n * (n + 1.0));
+        let scaled = [a.re * c, a.im * c, b.re * c, b.im * c];
+        Self { n, inverse: 1.0 / n, scaled }
+    }
+}
+
+/// Sums over orders of `c_n a_n pi_n` and `c_n b_n pi_n`, then of the same with `tau_n`: real and imaginary parts.
+type Sums<T> = [T; 8];
 
 struct Fold<'a> {
     terms: &'a [[Complex64; 2]],
     directions: &'a Directions,
 }
 
-/// `S1 + S2` and `S1 - S2` at `mu`, then at `-mu`: real and imaginary parts.
-type Folded<T> = [T; 8];
-
 impl WithSimd for Fold<'_> {
     type Output = Vec<[Complex64; 2]>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let factors: Vec<Factors> = self
-            .terms
-            .iter()
-            .enumerate()
-            .map(|(i, [a, b])| {
-                let n = i as f64 + 1.0;
-                let c = (2.0 * n + 1.0) / (n * (n + 1.0));
-                Factors { n, rise: (n + 1.0) / n, plus: (a + b) * c, minus: (a - b) * c }
-            })
-            .collect();
-        let mut folded: Vec<Folded<LaneArray>> = Vec::with_capacity(self.directions.folded.len());
+        let mut factors: Vec<Factors> = self.terms.iter().enumerate().map(Factors::new).collect();
+        if factors.len() % 2 == 1 {
+            factors.push(Factors::default());
+        }
+        let mut folded: Vec<[Sums<LaneArray>; 2]> = Vec::with_capacity(self.directions.folded.len());
         for lanes in &self.directions.folded {
-            let mut out = [[0.0; MAX_LANES]; 8];
+            let mut out = [[[0.0; MAX_LANES]; 8]; 2];
             // A register at a time; on a machine with narrow ones several times per array.
             for first in (0..MAX_LANES).step_by(S::F64_LANES) {
                 let mut mu = [0.0; MAX_LANES];
                 mu[..S::F64_LANES].copy_from_slice(&lanes[first..first + S::F64_LANES]);
                 let sums = fold(&factors, Re::load(simd, &mu));
-                for (out, sum) in out.iter_mut().zip(sums) {
+                for (out, sum) in out.iter_mut().flatten().zip(sums.into_iter().flatten()) {
                     out[first..first + S::F64_LANES].copy_from_slice(&sum.lanes()[..S::F64_LANES]);
                 }
             }
             folded.push(out);
         }
-        let unfold = |(mu, place): (&f64, &usize)| {
-            let lane = |k: usize| folded[place / MAX_LANES][k][place % MAX_LANES];
-            let k = if mu.is_sign_negative() { 4 } else { 0 };
-            let (plus, minus) = (Complex64::new(lane(k), lane(k + 1)), Complex64::new(lane(k + 2), lane(k + 3)));
-            [0.5 * (plus + minus), 0.5 * (plus - minus)]
-        };
-        self.directions.cosines.iter().zip(&self.directions.places).map(unfold).collect()
+        let Directions { cosines, places, .. } = self.directions;
+        cosines.iter().zip(places).map(|(mu, place)| unfold(&folded, mu.is_sign_negative(), *place)).collect()
     }
 }
 
-/// With `s = pi_n + tau_n` and `d = pi_n - tau_n`, which trade places with the sign `(-1)^(n+1)` as `mu` changes its own,
-/// `S1 + S2` is the sum of `c_n (a_n + b_n) s` and `S1 - S2` that of `c_n (a_n - b_n) d`.
+/// Orders that are added up by themselves, so that rounding does not grow with their number; even.
+const RUN: usize = 512;
+
+/// Sums over odd and over even orders at non-negative cosines.
 #[inline(always)]
-fn fold<S: Simd>(factors: &[Factors], mu: Re<S>) -> Folded<Re<S>> {
-    let zero = mu.same(0.0);
-    let mut out = [zero; 8];
+fn fold<S: Simd>(factors: &[Factors], mu: Re<S>) -> [Sums<Re<S>>; 2] {
+    let (zero, twice) = (mu.same(0.0), mu + mu);
+    let mut total = [[zero; 8]; 2];
     let (mut before, mut pi) = (zero, mu.same(1.0));
-    let mut odd = true;
-    for f in factors {
-        let s = mu * pi;
-        let t = s - before;
-        let tau = mu.same(f.n).mul_add(t, zero - before);
-        let (sum, difference) = (pi + tau, pi - tau);
-        for (k, c) in [f.plus.re, f.plus.im].into_iter().enumerate() {
-            out[k] = mu.same(c).mul_add(sum, out[k]);
-            out[k + 4] = mu.same(if odd { c } else { -c }).mul_add(difference, out[k + 4]);
+    for run in factors.chunks(RUN) {
+        let mut out = [[zero; 8]; 2];
+        for pair in run.chunks_exact(2) {
+            for (sums, f) in out.iter_mut().zip(pair) {
+                let t = mu.mul_add(pi, zero - before);
+                let s = twice.mul_add(pi, zero - before);
+                let tau = mu.same(f.n).mul_add(t, zero - before);
+                for k in 0..4 {
+                    sums[k] = mu.same(f.scaled[k]).mul_add(pi, sums[k]);
+                    sums[k + 4] = mu.same(f.scaled[k]).mul_add(tau, sums[k + 4]);
+                }
+                // s + t / n, which unlike (2n + 1)/n and (n + 1)/n is not biased by the rounding of a factor.
+                (before, pi) = (pi, mu.same(f.inverse).mul_add(t, s));
+            }
         }
-        for (k, c) in [f.minus.re, f.minus.im].into_iter().enumerate() {
-            out[k + 2] = mu.same(c).mul_add(difference, out[k + 2]);
-            out[k + 6] = mu.same(if odd { c } else { -c }).mul_add(sum, out[k + 6]);
+        for (total, part) in total.iter_mut().flatten().zip(out.iter().flatten()) {
+            *total = *total + *part;
         }
-        (before, pi) = (pi, mu.same(f.rise).mul_add(t, s));
-        odd = !odd;
     }
-    out
+    total
+}
+
+/// `S1` and `S2`, by the symmetries `pi_n(-mu) = (-1)^(n+1) pi_n(mu)` and `tau_n(-mu) = (-1)^n tau_n(mu)`.
+fn unfold(folded: &[[Sums<LaneArray>; 2]], backward: bool, place: usize) -> [Complex64; 2] {
+    let [odd, even] = &folded[place / MAX_LANES];
+    let at =
+        |sums: &Sums<LaneArray>, k: usize| Complex64::new(sums[k][place % MAX_LANES], sums[k + 1][place % MAX_LANES]);
+    let sum = |k: usize| if backward { at(odd, k) - at(even, k) } else { at(odd, k) + at(even, k) };
+    let (a_pi, b_pi, a_tau, b_tau) = (sum(0), sum(2), sum(4), sum(6));
+    if backward { [a_pi - b_tau, b_pi - a_tau] } else { [a_pi + b_tau, a_tau + b_pi] }
 }

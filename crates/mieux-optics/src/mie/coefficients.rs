@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 use pulp::Simd;
 
+use super::MieError;
 use super::kernel::{Sink, Term};
 use super::lanes::Re;
 use super::sums::{SphereSums, Sums};
@@ -52,7 +53,10 @@ impl Coefficients {
     }
 
     /// Cross sections, asymmetry and forward amplitude.
-    pub fn scattering(&self) -> SphereScattering {
+    ///
+    /// # Errors
+    /// [`MieError::Cancellation`] where the host absorbs so much that extinction is lost to rounding.
+    pub fn scattering(&self) -> Result<SphereScattering, MieError> {
         self.wave.cross_sections(self.k0r, &self.sums, self.scaled)
     }
 
@@ -92,5 +96,10 @@ impl<S: Simd, const SCALED: bool> Sink<S> for Keep<S, SCALED> {
             Complex64::new(first(term.b.re), first(term.b.im)),
         ]);
         self.sums.take(weight, term);
+    }
+
+    #[inline(always)]
+    fn pause(&mut self) {
+        self.sums.pause();
     }
 }

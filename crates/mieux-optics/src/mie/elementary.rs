@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::lanes::{Cx, LaneArray, Re};
+use super::lanes::{Cx, LaneArray, Re, Wave};
 
 /// Arguments up to which two-part reduction by pi/2 keeps an absolute error of a few 1e-16.
 const REDUCIBLE: f64 = 1e5;
@@ -108,4 +108,13 @@ pub(super) fn sin_cos_complex<S: Simd>(simd: S, z: Cx<S>) -> (Cx<S>, Cx<S>) {
     let (sinh, cosh) = (z.im * polynomial(square, &SINH), polynomial(square, &COSH));
     let zero = z.re.same(0.0);
     (Cx { re: s * cosh, im: c * sinh }, Cx { re: c * cosh, im: s.neg_mul_add(sinh, zero) })
+}
+
+/// `(sin z, cos z)` moved on to `1 / inverse`, which the rounding of `inverse = 1 / z` has put beside `z`: a recurrence
+/// that runs on `inverse` must start from there, or it carries the difference, up to 1e-16 of a large `z`, as a phase.
+#[inline(always)]
+pub(super) fn moved<S: Simd, W: Wave<S>>((sin, cos): (W, W), z: W, one: W, inverse: W) -> (W, W) {
+    let excess = z.mul_sub(inverse, one);
+    let shift = z.mul(excess);
+    (sin - shift.mul(cos), cos + shift.mul(sin))
 }

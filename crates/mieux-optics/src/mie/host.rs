@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::elementary::{sin_cos, sin_cos_complex};
+use super::elementary::{moved, sin_cos, sin_cos_complex};
 use super::lanes::{Cx, Re, Wave};
 
 /// Waves `psi_n` and `chi_n` of the host, and what follows from them.
@@ -11,8 +11,8 @@ use super::lanes::{Cx, Re, Wave};
 pub(super) trait Host<S: Simd> {
     type Wave: Wave<S>;
     fn size_parameter(k0r: Re<S>, index: Cx<S>) -> Self::Wave;
-    /// `psi` at orders -1 and 0, `chi` at the same.
-    fn start(simd: S, x: Self::Wave) -> [[Self::Wave; 2]; 2];
+    /// `psi` at orders -1 and 0, `chi` at the same, for recurrences that run on `inverse`, which is `1 / x`.
+    fn start(simd: S, x: Self::Wave, inverse: Self::Wave) -> [[Self::Wave; 2]; 2];
     /// A coefficient, from its parts `N` and `Y` and, in case the waves are real, `Im(Y conj N)` from inside the particle.
     fn fraction(inside: Re<S>, numerator: Cx<S>, second: Cx<S>) -> Fraction<S>;
 }
@@ -33,7 +33,7 @@ pub(super) struct Fraction<S: Simd> {
 impl<S: Simd> Fraction<S> {
     /// With `loss = Im(Y conj N)`, every other part is a sum of positive numbers, or nearly so.
     #[inline(always)]
-    fn new(loss: Re<S>, numerator: Cx<S>, second: Cx<S>) -> Self {
+    pub fn new(loss: Re<S>, numerator: Cx<S>, second: Cx<S>) -> Self {
         let square = numerator.norm_sqr();
         Self {
             over: Cx { re: square + loss, im: numerator.dot(second) },
@@ -63,8 +63,8 @@ impl<S: Simd> Host<S> for Lossless {
     }
 
     #[inline(always)]
-    fn start(simd: S, x: Re<S>) -> [[Re<S>; 2]; 2] {
-        let (sin, cos) = sin_cos(simd, x);
+    fn start(simd: S, x: Re<S>, inverse: Re<S>) -> [[Re<S>; 2]; 2] {
+        let (sin, cos) = moved(sin_cos(simd, x), x, x.same(1.0), inverse);
         [[cos, sin], [x.same(0.0) - sin, cos]]
     }
 
@@ -83,9 +83,9 @@ impl<S: Simd> Host<S> for Absorbing {
     }
 
     #[inline(always)]
-    fn start(simd: S, x: Cx<S>) -> [[Cx<S>; 2]; 2] {
-        let (sin, cos) = sin_cos_complex(simd, x);
-        let zero = x.re.same(0.0);
+    fn start(simd: S, x: Cx<S>, inverse: Cx<S>) -> [[Cx<S>; 2]; 2] {
+        let (zero, one) = (x.re.same(0.0), x.re.same(1.0));
+        let (sin, cos) = moved(sin_cos_complex(simd, x), x, Cx { re: one, im: zero }, inverse);
         [[cos, sin], [Cx { re: zero - sin.re, im: zero - sin.im }, cos]]
     }
 
@@ -105,7 +105,7 @@ impl<S: Simd> Host<S> for Opaque {
 
     /// `psi` runs downward only and is scaled by what `chi` says, so its start is of no use.
     #[inline(always)]
-    fn start(simd: S, x: Cx<S>) -> [[Cx<S>; 2]; 2] {
+    fn start(simd: S, x: Cx<S>, _: Cx<S>) -> [[Cx<S>; 2]; 2] {
         let (zero, one) = (Re::splat(simd, 0.0), Re::splat(simd, 1.0));
         [[x, x], [Cx { re: zero, im: one }, Cx { re: one, im: zero }]]
     }

@@ -6,12 +6,14 @@
 
 mod amplitude;
 mod coefficients;
+mod downward;
 mod elementary;
 mod host;
 mod kernel;
 mod lanes;
 mod sphere;
 mod sums;
+mod upward;
 mod wave;
 mod weights;
 
@@ -56,10 +58,16 @@ pub enum MieError {
         im: f64,
     },
     /// The size parameter (in the host or inside the particle) lies outside what double precision can carry.
-    #[error("size parameter {modulus:e} is outside 1e-8 to 1e7")]
+    #[error("size parameter {modulus:e} in the {name} is outside {least:e} to {most:e}")]
     SizeParameter {
+        /// `host` or `particle`.
+        name: &'static str,
         /// Modulus of the offending size parameter.
         modulus: f64,
+        /// Least that is possible.
+        least: f64,
+        /// Most that is possible.
+        most: f64,
     },
     /// The host absorbs so much over one particle that the extinction cross section leaves the range of numbers.
     #[error("the host absorbs exp(-{exponent:.0}) over one particle; beyond exp(-{most:.0}) cross sections overflow")]
@@ -69,4 +77,26 @@ pub enum MieError {
         /// Largest exponent that is possible with the definition of scattering in use.
         most: f64,
     },
+    /// In a host that absorbs much over one particle, what is reflected off its face outweighs the light that gets
+    /// through so far that the forward amplitude, in which reflections cancel, is lost to rounding.
+    #[error(
+        "the host absorbs exp(-{exponent:.0}) over one particle; extinction could only be given with a relative error of \
+         {error:.0e}"
+    )]
+    Cancellation {
+        /// Twice the imaginary part of the size parameter.
+        exponent: f64,
+        /// Relative error that rounding may cause.
+        error: f64,
+    },
+}
+
+/// Which of many spheres could not be computed, and why.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("sphere {index}: {source}")]
+pub struct SphereError {
+    /// Its place among the spheres given, from 0.
+    pub index: usize,
+    /// What was wrong.
+    pub source: MieError,
 }

@@ -5,15 +5,17 @@ use std::cmp::Ordering;
 use num_complex::Complex64;
 use pulp::{Simd, WithSimd};
 
-use super::MieError;
 use super::coefficients::{Coefficients, Keep};
+use super::downward::{Checkpoint, downward};
 use super::elementary::NARROW;
 use super::host::{Absorbing, Lossless, Opaque};
-use super::kernel::{Checkpoint, Group, Sink, downward, upward};
+use super::kernel::{Group, Sink};
 use super::lanes::{Cx, MAX_LANES, Re};
 use super::sums::Sums;
-use super::wave::{PlaneWave, SphereScattering, check_index, check_length, check_size_parameter};
+use super::upward::upward;
+use super::wave::{PlaneWave, SphereScattering, check_index, check_length, check_size_parameters};
 use super::weights::Weights;
+use super::{MieError, SphereError};
 
 /// One homogeneous sphere in a plane wave; everything in it has been checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,15 +31,14 @@ impl Sphere {
     ///
     /// # Errors
     /// [`MieError`] when the radius is not positive and finite, the index outside the range it names, the modulus of the
-    /// size parameter in the host or inside the particle outside 1e-8..1e7, or when the host absorbs more than
+    /// size parameter outside 1e-8..1e7 in the host or outside 1e-10..1e9 inside the particle, or when the host absorbs more than
     /// `exp(-680)` across the particle, `exp(-340)` by the definition of Mishchenko and Yang.
     pub fn new(wave: PlaneWave, radius: f64, index: Complex64) -> Result<Self, MieError> {
         check_length("radius", radius)?;
         check_index("particle", index)?;
         let sphere = Self { wave, k0r: wave.k0r(radius), index };
         let (x, y) = sphere.size_parameters();
-        check_size_parameter(x)?;
-        check_size_parameter(y)?;
+        check_size_parameters(x, y)?;
         wave.check_absorption(sphere.k0r)?;
         Ok(sphere)
     }
@@ -53,10 +54,13 @@ impl Sphere {
     }
 
     /// Cross sections, asymmetry and forward amplitude. Several spheres are better given to [`scatter_spheres`].
-    pub fn scattering(&self) -> SphereScattering {
+    ///
+    /// # Errors
+    /// [`MieError::Cancellation`] where the host absorbs so much that extinction is lost to rounding.
+    pub fn scattering(&self) -> Result<SphereScattering, MieError> {
         let mut out = Vec::with_capacity(1);
-        scatter_spheres(&[*self], &mut out);
-        out[0]
+        scatter_spheres(&[*self], &mut out).map_err(|error| error.source)?;
+        Ok(out[0])
     }
 }
 
@@ -71,7 +75,7 @@ pub fn scatter_sphere(
     host: Complex64,
     particle: Complex64,
 ) -> Result<SphereScattering, MieError> {
-    Ok(Sphere::new(PlaneWave::new(wavelength_m, host)?, radius_m, particle)?.scattering())
+    Sphere::new(PlaneWave::new(wavelength_m, host)?, radius_m, particle)?.scattering()
 }
 
 /// Order beyond which the terms of a series in size parameter `modulus` no longer count.
@@ -119,7 +123,9 @@ impl Member {
     fn new(index: usize, sphere: &Sphere) -> Self {
         let (x, y) = sphere.size_parameters();
         let square = x.norm_sqr();
-        let up = x.re > 1.5 && y.im < NARROW && y.norm_sqr() >= square;
+        // Contrast above 2 %: weaker ones lose digits upward.
+        let dense = y.norm_sqr() >= square && (y - x).norm_sqr() > 4e-4 * square;
+        let up = x.re > 1.5 && y.im < NARROW && dense;
         let class = match (x.im, up) {
             (0.0, true) => Class::LosslessUp,
             (0.0, false) => Class::LosslessDown,
@@ -173,8 +179,16 @@ fn group(spheres: &[Sphere], members: &[Member]) -> Group {
 /// registers: neighbours in size go together, so any order of input will do.
 ///
 /// Source: `frisvad2007` section 2.1 with the signs of `zeta_n` made consistent.
-pub fn scatter_spheres(spheres: &[Sphere], out: &mut Vec<SphereScattering>) {
-    pulp::Arch::new().dispatch(ScatterSpheres { spheres, out });
+///
+/// # Errors
+/// [`SphereError`], with `out` as it was, when a host absorbs so much over a sphere that extinction is lost to rounding.
+pub fn scatter_spheres(spheres: &[Sphere], out: &mut Vec<SphereScattering>) -> Result<(), SphereError> {
+    let before = out.len();
+    let result = pulp::Arch::new().dispatch(ScatterSpheres { spheres, out });
+    if result.is_err() {
+        out.truncate(before);
+    }
+    result
 }
 
 struct ScatterSpheres<'a> {
@@ -183,10 +197,10 @@ struct ScatterSpheres<'a> {
 }
 
 impl WithSimd for ScatterSpheres<'_> {
-    type Output = ();
+    type Output = Result<(), SphereError>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { spheres, out } = self;
         let mut members: Vec<Member> = spheres.iter().enumerate().map(|(i, s)| Member::new(i, s)).collect();
         if !members.is_sorted_by(|a, b| a.order(b).is_le()) {
@@ -211,10 +225,13 @@ impl WithSimd for ScatterSpheres<'_> {
                 for (lane, member) in members.iter().enumerate() {
                     let i = member.index as usize;
                     let Sphere { wave, k0r, .. } = &spheres[i];
-                    out[i] = wave.cross_sections(*k0r, &sums.lane(lane), member.class == Class::Opaque);
+                    out[i] = wave
+                        .cross_sections(*k0r, &sums.lane(lane), member.class == Class::Opaque)
+                        .map_err(|source| SphereError { index: i, source })?;
                 }
             }
         }
+        Ok(())
     }
 }
 

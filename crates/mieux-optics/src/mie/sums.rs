@@ -4,16 +4,19 @@ use num_complex::Complex64;
 use pulp::Simd;
 
 use super::kernel::{Sink, Term};
-use super::lanes::{Cx, LaneArray, Re};
+use super::lanes::{Cx, LaneArray, Re, Wave};
 use super::weights::Weight;
 
 /// Sums over all orders, abreast. Unless the waves are scaled, the real part of `forward` is left to the other sums.
 pub(super) struct Sums<S: Simd, const SCALED: bool> {
     forward: Cx<S>,
+    size: Re<S>,
     scattering: Re<S>,
     loss: Re<S>,
     asymmetry: Re<S>,
     previous: (Cx<S>, Cx<S>),
+    /// What earlier runs of orders added up to, so that rounding grows with the length of a run only.
+    earlier: [Re<S>; 6],
 }
 
 /// The sums of one sphere.
@@ -21,6 +24,8 @@ pub(super) struct Sums<S: Simd, const SCALED: bool> {
 pub(super) struct SphereSums {
     /// Sum of `(2n + 1)(a_n + b_n)`.
     pub forward: Complex64,
+    /// Of the order of the sum of `(2n + 1)(|a_n| + |b_n|)` when the waves are scaled, else 0.
+    pub size: f64,
     /// Sum of `(2n + 1)(|a_n|^2 + |b_n|^2)`.
     pub scattering: f64,
     /// Sum of `(2n + 1)(Re a_n - |a_n|^2 + Re b_n - |b_n|^2)`.
@@ -33,6 +38,7 @@ pub(super) struct SphereSums {
 pub(super) struct GroupSums {
     forward_re: LaneArray,
     forward_im: LaneArray,
+    size: LaneArray,
     scattering: LaneArray,
     loss: LaneArray,
     asymmetry: LaneArray,
@@ -43,17 +49,28 @@ impl<S: Simd, const SCALED: bool> Sums<S, SCALED> {
     pub fn new(simd: S) -> Self {
         let zero = Re::splat(simd, 0.0);
         let z = Cx { re: zero, im: zero };
-        Self { forward: z, scattering: zero, loss: zero, asymmetry: zero, previous: (z, z) }
+        Self {
+            forward: z,
+            size: zero,
+            scattering: zero,
+            loss: zero,
+            asymmetry: zero,
+            previous: (z, z),
+            earlier: [zero; 6],
+        }
     }
 
     #[inline(always)]
-    pub fn finish(self) -> GroupSums {
+    pub fn finish(mut self) -> GroupSums {
+        self.pause();
+        let [forward_re, forward_im, size, scattering, loss, asymmetry] = self.earlier;
         GroupSums {
-            forward_re: if SCALED { self.forward.re } else { self.scattering + self.loss }.lanes(),
-            forward_im: self.forward.im.lanes(),
-            scattering: self.scattering.lanes(),
-            loss: self.loss.lanes(),
-            asymmetry: self.asymmetry.lanes(),
+            forward_re: if SCALED { forward_re } else { scattering + loss }.lanes(),
+            forward_im: forward_im.lanes(),
+            size: size.lanes(),
+            scattering: scattering.lanes(),
+            loss: loss.lanes(),
+            asymmetry: asymmetry.lanes(),
         }
     }
 }
@@ -64,6 +81,7 @@ impl<S: Simd, const SCALED: bool> Sink<S> for Sums<S, SCALED> {
         let factor = loss.same(weight.factor);
         if SCALED {
             self.forward.re = factor.mul_add(a.re + b.re, self.forward.re);
+            self.size = factor.mul_add(a.size() + b.size(), self.size);
         }
         self.forward.im = factor.mul_add(a.im + b.im, self.forward.im);
         self.scattering = factor.mul_add(square, self.scattering);
@@ -74,6 +92,17 @@ impl<S: Simd, const SCALED: bool> Sink<S> for Sums<S, SCALED> {
         self.asymmetry = loss.same(weight.pair).mul_add(a.dot(b), neighbours);
         self.previous = (a, b);
     }
+
+    #[inline(always)]
+    fn pause(&mut self) {
+        let zero = self.loss.same(0.0);
+        let Self { forward, size, scattering, loss, asymmetry, earlier, .. } = self;
+        let parts = [&mut forward.re, &mut forward.im, size, scattering, loss, asymmetry];
+        for (earlier, part) in earlier.iter_mut().zip(parts) {
+            *earlier = *earlier + *part;
+            *part = zero;
+        }
+    }
 }
 
 impl GroupSums {
@@ -81,6 +110,7 @@ impl GroupSums {
     pub fn lane(&self, i: usize) -> SphereSums {
         SphereSums {
             forward: Complex64::new(self.forward_re[i], self.forward_im[i]),
+            size: self.size[i],
             scattering: self.scattering[i],
             loss: self.loss[i],
             asymmetry: self.asymmetry[i],

@@ -10,6 +10,9 @@ use super::{MieError, ScatteringDefinition};
 /// Twice the imaginary part of a size parameter, above which cross sections leave the range of numbers.
 const MAX_EXPONENT: f64 = 680.0;
 
+/// Largest relative error of an extinction cross section that is let pass.
+const MAX_ERROR: f64 = 1e-8;
+
 /// A plane wave in a host that may absorb; everything in it has been checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaneWave {
@@ -106,8 +109,17 @@ impl PlaneWave {
     /// Cross sections of a particle of outer size `k0r`; `scaled` says that every coefficient lacks a factor of
     /// `exp(-2 i x)`.
     ///
-    /// Extinction is put together from scattering and absorption, each known without cancellation.
-    pub(super) fn cross_sections(&self, k0r: f64, sums: &SphereSums, scaled: bool) -> SphereScattering {
+    /// Unless the coefficients are scaled, extinction is put together from scattering and absorption, each known without
+    /// cancellation.
+    ///
+    /// # Errors
+    /// [`MieError::Cancellation`].
+    pub(super) fn cross_sections(
+        &self,
+        k0r: f64,
+        sums: &SphereSums,
+        scaled: bool,
+    ) -> Result<SphereScattering, MieError> {
         let (x, host) = (self.host * k0r, self.host);
         let area = self.wavelength * self.wavelength / (2.0 * PI * host.norm_sqr());
         let mut amplitude = sums.forward;
@@ -121,23 +133,30 @@ impl PlaneWave {
             ScatteringDefinition::Frisvad2007 => turned.re,
             ScatteringDefinition::MishchenkoYang2018 => host.im / host.re * amplitude.im,
         };
-        let (scattering, absorption) = if scaled {
-            let scattering = sums.scattering * self.scaled_surface(2.0 * x.im);
-            (scattering, amplitude.re + displaced - scattering)
+        let (extinction, scattering, absorption);
+        if scaled {
+            extinction = amplitude.re + displaced;
+            scattering = sums.scattering * self.scaled_surface(2.0 * x.im);
+            absorption = extinction - scattering;
+            let error = f64::EPSILON * sums.size * (2.0 * x.im).exp() / extinction.abs();
+            if error > MAX_ERROR {
+                return Err(MieError::Cancellation { exponent: 2.0 * x.im, error });
+            }
         } else {
             let excess = if x.im == 0.0 { 0.0 } else { self.excess(2.0 * x.im) };
-            (sums.scattering * (1.0 + excess), sums.loss + displaced - excess * sums.scattering)
-        };
-        let asymmetry = if sums.scattering > 0.0 { 2.0 * sums.asymmetry / sums.scattering } else { 0.0 };
-        SphereScattering {
+            scattering = sums.scattering * (1.0 + excess);
+            absorption = sums.loss + displaced - excess * sums.scattering;
+            extinction = scattering + absorption;
+        }
+        Ok(SphereScattering {
             size_parameter: x,
-            extinction: area * (scattering + absorption),
+            extinction: area * extinction,
             scattering: area * scattering,
             absorption: area * absorption,
-            asymmetry,
+            asymmetry: if sums.scattering > 0.0 { 2.0 * sums.asymmetry / sums.scattering } else { 0.0 },
             forward: (amplitude + turned) * (area / (4.0 * PI)),
             definition: self.definition,
-        }
+        })
     }
 
     /// By what the sum of squared moduli grows to be the scattering, less 1; `alpha` is twice the imaginary part of the
@@ -170,9 +189,16 @@ pub(super) fn check_index(name: &'static str, n: Complex64) -> Result<(), MieErr
     if possible { Ok(()) } else { Err(MieError::Index { name, re: n.re, im: n.im }) }
 }
 
-pub(super) fn check_size_parameter(z: Complex64) -> Result<(), MieError> {
-    let square = z.norm_sqr();
-    if (1e-16..=1e14).contains(&square) { Ok(()) } else { Err(MieError::SizeParameter { modulus: square.sqrt() }) }
+/// Size parameter in the host and inside the particle.
+pub(super) fn check_size_parameters(x: Complex64, y: Complex64) -> Result<(), MieError> {
+    for (name, z, range) in [("host", x, 1e-8..=1e7), ("particle", y, 1e-10..=1e9)] {
+        let modulus = z.norm_sqr().sqrt();
+        if !range.contains(&modulus) {
+            let (least, most) = range.into_inner();
+            return Err(MieError::SizeParameter { name, modulus, least, most });
+        }
+    }
+    Ok(())
 }
 
 /// `exp(alpha) / gamma(alpha) - 1` with `gamma = 2 (1 + (alpha - 1) exp(alpha)) / alpha^2` (eq 24), that is

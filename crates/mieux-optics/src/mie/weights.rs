@@ -3,6 +3,8 @@
 /// Those of one order `n`.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Weight {
+    /// `n`
+    pub order: f64,
     /// `n + 1`
     pub next: f64,
     /// `2 n + 1`
@@ -36,7 +38,13 @@ impl Weights {
             let n = (first + i) as f64;
             let (next, factor) = (n + 1.0, 2.0 * n + 1.0);
             let inverse = 1.0 / (n * next);
-            *weight = Weight { next, factor, neighbours: (n - 1.0) * next * next * inverse, pair: factor * inverse };
+            *weight = Weight {
+                order: n,
+                next,
+                factor,
+                neighbours: (n - 1.0) * next * next * inverse,
+                pair: factor * inverse,
+            };
         }
     }
 
