@@ -8,10 +8,11 @@ use std::time::Instant;
 use mieux_io::output::{WriteSeek, write_atomic};
 use mieux_io::rows::{ByteRecord, Columns, RowReader, Rows, RowsError, append_fields, append_numbers};
 use mieux_optics::Complex64;
-use mieux_optics::mie::{MieError, PlaneWave, ScatteringDefinition, Sphere, SphereScattering, scatter_spheres};
+use mieux_optics::mie::{MieError, PlaneWave, ScatteringDefinition, Sphere, SphereScattering};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::particle::scatter;
 use super::{Context, Definition, Event, JobError, Stage};
 
 /// Rows in memory at a time; twice as many, as the next are read while these are computed.
@@ -187,15 +188,13 @@ impl Slice {
         self.text.clear();
         for row in rows {
             let numbers = columns.numbers(row)?;
-            let sphere = sphere(&numbers, definition).map_err(|error| {
-                let (column, problem) = culprit(&error);
-                columns.error(row, column, problem)
-            })?;
+            let sphere = sphere(&numbers, definition).map_err(|error| blame(row, columns, &error))?;
             // A division by a million is rounded once; a millionth would be rounded twice.
             self.radii.push(numbers[0] / 1e6);
             self.spheres.push(sphere);
         }
-        scatter_spheres(&self.spheres, &mut self.scattering);
+        scatter(&self.spheres, &mut self.scattering)
+            .map_err(|error| blame(&rows[error.index], columns, &error.source))?;
         for ((row, radius), s) in rows.iter().zip(&self.radii).zip(&self.scattering) {
             let area = PI * radius * radius;
             append_fields(&mut self.text, row);
@@ -212,6 +211,11 @@ fn sphere(numbers: &[f64; 6], definition: ScatteringDefinition) -> Result<Sphere
     let [radius, wavelength, host_re, host_im, particle_re, particle_im] = *numbers;
     let wave = PlaneWave::new(wavelength / 1e6, Complex64::new(host_re, host_im))?.with_definition(definition);
     Sphere::new(wave, radius / 1e6, Complex64::new(particle_re, particle_im))
+}
+
+fn blame(row: &ByteRecord, columns: &Columns, error: &MieError) -> RowsError {
+    let (column, problem) = culprit(error);
+    columns.error(row, column, problem)
 }
 
 /// The column to blame, and what is wrong with its value.

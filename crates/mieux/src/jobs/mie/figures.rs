@@ -23,7 +23,7 @@ pub(super) fn figures(
     let title = sheet.title().replacen('s', "S", 1);
     let efficiencies = efficiencies(sheet, particle, &title, context)?;
     let (angles, directions) = directions(sheet.scattering.size_parameter.norm());
-    let mueller = particle.coefficients()?.mueller(&directions);
+    let mueller = particle.coefficients()?.mueller(&directions)?;
     let phase: Vec<f64> = mueller.iter().map(|m| m.p11).collect();
     let parts: Vec<[f64; 2]> = mueller.iter().map(|m| [m.p11 - m.p12, m.p11 + m.p12]).collect();
     Ok(vec![

@@ -1,7 +1,7 @@
 //! A particle with or without layers, all checked.
 
 use mieux_optics::Complex64;
-use mieux_optics::mie::{Coefficients, PlaneWave, Sphere, SphereScattering, scatter_spheres};
+use mieux_optics::mie::{Coefficients, PlaneWave, Sphere, SphereError, SphereScattering, scatter_spheres};
 use rayon::prelude::*;
 
 use super::JobError;
@@ -57,10 +57,25 @@ impl Particle {
             .par_chunks(16)
             .map(|slice| {
                 let mut out = Vec::with_capacity(slice.len());
-                scatter_spheres(&slice.iter().map(|s| s.1).collect::<Vec<_>>(), &mut out);
-                slice.iter().map(|s| s.0).zip(out).collect()
+                if scatter(&slice.iter().map(|s| s.1).collect::<Vec<_>>(), &mut out).is_ok() {
+                    return slice.iter().map(|s| s.0).zip(out).collect();
+                }
+                slice.iter().filter_map(|(radius, sphere)| Some((*radius, sphere.scattering().ok()?))).collect()
             })
             .collect();
         slices.concat()
     }
+}
+
+/// [`scatter_spheres`], in which spheres that differ much in size and go abreast can overflow: what is not finite is
+/// computed once more by itself.
+pub(super) fn scatter(spheres: &[Sphere], out: &mut Vec<SphereScattering>) -> Result<(), SphereError> {
+    let first = out.len();
+    scatter_spheres(spheres, out)?;
+    for (index, (sphere, s)) in spheres.iter().zip(&mut out[first..]).enumerate() {
+        if !(s.extinction.is_finite() && s.scattering.is_finite()) {
+            *s = sphere.scattering().map_err(|source| SphereError { index, source })?;
+        }
+    }
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::io::{self, Write};
 
-use mieux_io::quantity::format_length;
+use mieux_io::quantity::{Angles, format_length};
 use mieux_io::table::{Table, exact};
 use mieux_optics::Complex64;
 use mieux_optics::mie::{Directions, Mueller, SphereScattering};
@@ -52,19 +52,19 @@ impl Directional {
 impl MieSheet {
     pub(super) fn compute(job: Mie, particle: &Particle) -> Result<Self, JobError> {
         let coefficients = particle.coefficients()?;
-        let directional = job.angles.map(|angles| {
+        let directional = |angles: Angles| {
             let directions = Directions::new(angles.cosines());
-            Directional {
+            Ok::<_, JobError>(Directional {
                 degrees: angles.degrees().collect(),
-                amplitudes: coefficients.amplitudes(&directions),
-                mueller: coefficients.mueller(&directions),
-            }
-        });
+                amplitudes: coefficients.amplitudes(&directions)?,
+                mueller: coefficients.mueller(&directions)?,
+            })
+        };
         Ok(Self {
             radius: particle.radius(),
-            scattering: coefficients.scattering(),
+            scattering: coefficients.scattering()?,
             backscattering: coefficients.backscattering(),
-            directional,
+            directional: job.angles.map(directional).transpose()?,
             job,
         })
     }
