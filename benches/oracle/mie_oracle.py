@@ -368,7 +368,7 @@ def main():
 
 
 def check(path):
-    """Compare with every row of a reference table that carries values of arbitrary precision (mp_*)."""
+    """Compare with every row of a reference table that has values of arbitrary precision (mp_*), for inputs as doubles."""
     set_digits(60)
     worst = {}
     with open(path, newline="") as file:
@@ -384,8 +384,8 @@ def check(path):
             layers = []
             for r, index in zip(radii, indices):
                 m = complex(index.replace("i", "j"))
-                layers.append((mpfr(r), mpfr(repr(m.real)), mpfr(repr(m.imag))))
-            base, _, _ = converged(wavelength, (mpfr(repr(host.real)), mpfr(repr(host.imag))), layers)
+                layers.append((mpfr(float(r)), mpfr(m.real), mpfr(m.imag)))
+            base, _, _ = converged(wavelength, (mpfr(host.real), mpfr(host.imag)), layers)
             set_digits(60)
             area = gmpy2.const_pi() * layers[-1][0] ** 2
             ours = dict(zip(REAL_OUTPUTS, base))

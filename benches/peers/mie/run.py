@@ -227,9 +227,8 @@ class Contender:
 class Mieux:
     def __init__(self, executable, workload):
         self.name, self.command, self.workload = "mieux", executable, workload
-        self.able, self.step, self.best, self.sum, self.spheres = True, 1, float("inf"), None, 0
-        if workload != ABSORBING[0]:
-            self.turn()
+        self.best, self.sum, self.spheres = float("inf"), None, 0
+        self.turn()
         self.best = float("inf")
 
     def turn(self):
@@ -242,6 +241,8 @@ class Mieux:
                 self.spheres = answer["spheres"]
                 self.best = min(self.best, answer["cpu_seconds"])
                 self.sum = answer.get("checksum")
+                return
+        raise SystemExit(f"{self.command} printed no line for {self.workload}")
 
 
 def main():
