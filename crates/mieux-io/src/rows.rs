@@ -11,7 +11,6 @@ pub use csv::ByteRecord;
 use csv::{ErrorKind, Reader, ReaderBuilder};
 
 use crate::nearest_names;
-use crate::text_error::did_you_mean;
 
 /// What can be wrong with a long table.
 #[derive(Debug, thiserror::Error)]
@@ -151,10 +150,11 @@ fn missing_help(column: &str, names: &[String], wanted: &[&str]) -> String {
     if names.len() == 1 && names[0].contains([';', '\t']) {
         return format!("columns are separated by commas; {needed}");
     }
-    let near = nearest_names(column, names.iter().map(String::as_str).filter(|name| !wanted.contains(name)));
-    match did_you_mean(&near[..near.len().min(1)]) {
-        question if question.is_empty() => needed,
-        question => format!("{} {needed}", question.replace("did you mean", "is it")),
+    let others = || names.iter().map(String::as_str).filter(|name| !wanted.contains(name));
+    let same = others().find(|name| name.eq_ignore_ascii_case(column));
+    match same.or_else(|| nearest_names(column, others()).first().copied()) {
+        Some(near) => format!("there is a column `{near}`; {needed}"),
+        None => needed,
     }
 }
 
@@ -378,7 +378,7 @@ mod tests {
             Err(RowsError::Missing { help, .. }) => help,
             other => panic!("{other:?}"),
         };
-        assert_eq!(help(b"X,y\n"), "is it `X`? the columns needed are x, y");
+        assert_eq!(help(b"X,y\n"), "there is a column `X`; the columns needed are x, y");
         assert_eq!(help(b"y,radius\n"), "the columns needed are x, y");
         assert_eq!(help(b"x;y\n"), "columns are separated by commas; the columns needed are x, y");
     }
