@@ -1,4 +1,5 @@
-//! Workloads timed against other programs by `benches/peers/mie/run.py`: one JSON line each, one thread.
+//! Workloads timed beside other programs by `benches/peers/mie/run.py`, which describes them: one JSON line each, one
+//! thread, processor time, the making of the spheres included.
 //!
 //! `cargo bench -p mieux-optics --bench peers -- --workload NAME`, without a name all of them.
 
@@ -6,32 +7,10 @@ use std::f64::consts::PI;
 use std::hint::black_box;
 
 use mieux_optics::Complex64;
-use mieux_optics::mie::{Directions, PlaneWave, Sphere, scatter_spheres};
+use mieux_optics::mie::{
+    Directions, Layer, LayeredSphere, PlaneWave, Sphere, SphereScattering, scatter_layered_spheres, scatter_spheres,
+};
 use rustix::time::{ClockId, clock_gettime};
-
-fn log_spaced(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
-    let ratio = (to / from).ln() / (count.max(2) - 1) as f64;
-    (0..count).map(move |i| from * (ratio * i as f64).exp())
-}
-
-fn spheres(from: f64, to: f64, count: usize) -> Vec<Sphere> {
-    let wave = PlaneWave::new(1.0, Complex64::new(1.0, 0.0)).expect("within range");
-    log_spaced(from, to, count)
-        .map(|x| Sphere::new(wave, x / (2.0 * PI), Complex64::new(1.5, 0.01)).expect("within range"))
-        .collect()
-}
-
-/// Radii x wavelengths, in a host with imaginary index `host_im`.
-fn population(host_im: f64) -> Vec<Sphere> {
-    let mut all = Vec::new();
-    for i in 0..17 {
-        let wavelength = (380.0 + 25.0 * f64::from(i)) * 1e-9;
-        let wave = PlaneWave::new(wavelength, Complex64::new(1.33, host_im)).expect("within range");
-        let radii = log_spaced(1e-8, 1e-5, 1000);
-        all.extend(radii.map(|r| Sphere::new(wave, r, Complex64::new(1.5, 0.01)).expect("within range")));
-    }
-    all
-}
 
 /// Processor time used so far, s.
 fn cpu_seconds() -> f64 {
@@ -39,48 +18,112 @@ fn cpu_seconds() -> f64 {
     t.tv_sec as f64 + 1e-9 * t.tv_nsec as f64
 }
 
-fn time(name: &str, spheres: &[Sphere]) {
-    let mut best = f64::INFINITY;
-    let mut out = Vec::new();
-    for _ in 0..9 {
-        out.clear();
-        let start = cpu_seconds();
-        scatter_spheres(black_box(spheres), &mut out).expect("computed");
-        best = best.min(cpu_seconds() - start);
-        black_box(&out);
-    }
-    println!("{{\"workload\": \"{name}\", \"spheres\": {}, \"cpu_seconds\": {best:e}}}", spheres.len());
+fn c(re: f64, im: f64) -> Complex64 {
+    Complex64::new(re, im)
 }
 
-fn time_amplitudes(spheres: &[Sphere]) {
-    let mut best = f64::INFINITY;
-    for _ in 0..5 {
+fn log_spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
+    let ratio = (to / from).ln() / (count.max(2) - 1) as f64;
+    (0..count).map(|i| from * (ratio * i as f64).exp()).collect()
+}
+
+/// A wave in vacuum, and the radius that has a size parameter.
+fn vacuum() -> PlaneWave {
+    PlaneWave::new(2.0 * PI, c(1.0, 0.0)).expect("within range")
+}
+
+/// Sum of the efficiencies, by which contenders are seen to do the same.
+fn checksum(radii: &[f64], scattering: &[SphereScattering]) -> f64 {
+    let efficiencies = |(i, s): (usize, &SphereScattering)| {
+        let r = radii[i % radii.len()];
+        (s.extinction + s.scattering) / (PI * r * r)
+    };
+    scattering.iter().enumerate().map(efficiencies).sum()
+}
+
+fn spheres(sizes: &[f64]) -> (usize, f64) {
+    let (wave, index) = (vacuum(), c(1.5, 0.01));
+    let spheres: Vec<Sphere> = sizes.iter().map(|x| Sphere::new(wave, *x, index).expect("within range")).collect();
+    let mut out = Vec::new();
+    scatter_spheres(&spheres, &mut out).expect("computed");
+    (spheres.len(), checksum(sizes, &out))
+}
+
+/// Radii by wavelengths, in a host with imaginary index `host_im`.
+fn table(radii: &[f64], host_im: f64) -> (usize, f64) {
+    let mut spheres = Vec::with_capacity(17 * radii.len());
+    for i in 0..17 {
+        let nm = 380.0 + 25.0 * f64::from(i);
+        let host = c(1.32 + 3100.0 / (nm * nm), host_im);
+        let index = c(1.45 + 4000.0 / (nm * nm), 1e-6);
+        let wave = PlaneWave::new(nm * 1e-9, host).expect("within range");
+        spheres.extend(radii.iter().map(|r| Sphere::new(wave, *r, index).expect("within range")));
+    }
+    let mut out = Vec::new();
+    scatter_spheres(&spheres, &mut out).expect("computed");
+    (spheres.len(), checksum(radii, &out))
+}
+
+fn amplitudes(sizes: &[f64]) -> (usize, f64) {
+    let (wave, index) = (vacuum(), c(1.5, 0.01));
+    let directions = Directions::uniform(1801);
+    let mut sum = 0.0;
+    for x in sizes {
+        let coefficients = Sphere::new(wave, *x, index).expect("within range").coefficients();
+        let amplitudes = coefficients.amplitudes(&directions).expect("computed");
+        sum += amplitudes.iter().flatten().map(|s| s.norm_sqr()).sum::<f64>();
+    }
+    (sizes.len(), sum)
+}
+
+fn layers(sizes: &[f64], count: usize) -> (usize, f64) {
+    let wave = vacuum();
+    let layer = |x: f64, i: usize| Layer {
+        radius: x * (i + 1) as f64 / count as f64,
+        index: if i % 2 == 0 { c(1.33, 0.001) } else { c(1.5, 0.01) },
+    };
+    let sphere = |x: &f64| {
+        let layers: Vec<Layer> = (0..count).map(|i| layer(*x, i)).collect();
+        LayeredSphere::new(wave, &layers).expect("within range")
+    };
+    let spheres: Vec<LayeredSphere> = sizes.iter().map(sphere).collect();
+    let mut out = Vec::new();
+    scatter_layered_spheres(&spheres, &mut out).expect("computed");
+    (spheres.len(), checksum(sizes, &out))
+}
+
+fn time(name: &str, work: &dyn Fn() -> (usize, f64)) {
+    let (mut best, mut result) = (f64::INFINITY, (0, 0.0));
+    for _ in 0..9 {
         let start = cpu_seconds();
-        let directions = Directions::uniform(1801);
-        for sphere in black_box(spheres) {
-            black_box(sphere.coefficients().amplitudes(&directions).expect("computed"));
-        }
+        result = black_box(work());
         best = best.min(cpu_seconds() - start);
     }
-    println!("{{\"workload\": \"amplitudes\", \"spheres\": {}, \"cpu_seconds\": {best:e}}}", spheres.len());
+    let (spheres, checksum) = result;
+    println!(
+        "{{\"workload\": \"{name}\", \"spheres\": {spheres}, \"cpu_seconds\": {best:e}, \"checksum\": {checksum:.12e}}}"
+    );
 }
 
 fn main() {
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let workloads: [(&str, Vec<Sphere>); 6] = [
-        ("x1to100", spheres(1.0, 100.0, 100_000)),
-        ("x0.1to1000", spheres(0.1, 1000.0, 100_000)),
-        ("population", population(0.0)),
-        ("population-absorbing", population(1e-4)),
-        ("x1e5", spheres(1e5, 1e5, 1)),
-        ("x1e6", spheres(1e6, 1e6, 1)),
+    let (hundred, thousand) = (log_spaced(1.0, 100.0, 100_000), log_spaced(0.1, 1000.0, 100_000));
+    let radii = log_spaced(1e-8, 1e-5, 1000);
+    let (few, some) = (log_spaced(1.0, 100.0, 1000), log_spaced(1.0, 100.0, 10_000));
+    let workloads: [(&str, &dyn Fn() -> (usize, f64)); 9] = [
+        ("spheres-100", &|| spheres(&hundred)),
+        ("spheres-1000", &|| spheres(&thousand)),
+        ("table-lossless", &|| table(&radii, 0.0)),
+        ("table-absorbing", &|| table(&radii, 1e-6)),
+        ("single-1e5", &|| spheres(&[1e5])),
+        ("single-1e6", &|| spheres(&[1e6])),
+        ("amplitudes", &|| amplitudes(&few)),
+        ("layers-2", &|| layers(&some, 2)),
+        ("layers-10", &|| layers(&some, 10)),
     ];
-    for (name, spheres) in &workloads {
+    for (name, work) in workloads {
         if wanted.is_empty() || wanted.iter().any(|w| w == name) {
-            time(name, spheres);
+            time(name, work);
         }
-    }
-    if wanted.is_empty() || wanted.iter().any(|w| w == "amplitudes") {
-        time_amplitudes(&spheres(1.0, 100.0, 1000));
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use mieux_optics::Complex64;
 use mieux_optics::mie::{
-    Coefficients, Directions, MieError, PlaneWave, ScatteringDefinition, Sphere, SphereScattering,
+    Coefficients, Directions, Layer, LayeredSphere, MieError, PlaneWave, ScatteringDefinition, Sphere, SphereScattering,
 };
 
 const TABLE: &str = include_str!("data/mie_oracle.csv");
@@ -55,14 +55,17 @@ impl Case<'_> {
                 std::array::from_fn(|_| parts.next().expect("radius:re:im"))
             })
             .collect();
-        if let [[radius, re, im]] = layers[..] {
-            let sphere = Sphere::new(wave, radius, Complex64::new(re, im));
-            if let Err(MieError::HostAbsorption { .. }) = sphere {
-                return None;
+        let sphere = match layers[..] {
+            [[radius, re, im]] => Sphere::new(wave, radius, Complex64::new(re, im)).map(|s| s.coefficients()),
+            _ => {
+                let layer = |&[radius, re, im]: &[f64; 3]| Layer { radius, index: Complex64::new(re, im) };
+                let layers: Vec<Layer> = layers.iter().map(layer).collect();
+                LayeredSphere::new(wave, &layers).map(|s| s.coefficients())
             }
-            Some(sphere.expect(self.text("id")).coefficients())
-        } else {
-            None
+        };
+        match sphere {
+            Err(MieError::HostAbsorption { .. }) => None,
+            sphere => Some(sphere.expect(self.text("id"))),
         }
     }
 }
@@ -80,16 +83,6 @@ impl Worst {
     fn meet(&mut self, case: &Case, name: &str, error: f64, condition: f64) {
         let forced = case.number(&format!("{name}_forced")).expect("a number");
         let ratio = error / FLOOR.max(FORCED * forced.max(0.5 * f64::EPSILON * condition));
-        if ratio > 1.0 && std::env::var("MIEUX_SHOW").is_ok() {
-            println!(
-                "{} {} {name} {error:.2e} forced {forced:.1e} layers {} host {} {}",
-                case.text("group"),
-                case.text("id"),
-                case.text("layers"),
-                case.text("host_re"),
-                case.text("host_im")
-            );
-        }
         if !(ratio <= self.ratio) {
             *self = Self { ratio, error, place: format!("{} {name} (forced {forced:e})", case.text("id")) };
         }
@@ -111,6 +104,14 @@ fn the_series_is_summed_as_well_as_arithmetic_allows() {
         let Some(coefficients) = case.coefficients(case.wave()) else { continue };
         count += 1;
         let worst = worst.entry(case.text("group").to_owned()).or_default();
+        let moduli: f64 =
+            coefficients.terms().enumerate().map(|(i, [a, b])| (i as f64 + 1.5) * (a.norm() + b.norm())).sum();
+        let amplitudes = coefficients.amplitudes(&directions);
+        // Of the sum that extinction is taken from; lossless hosts have better ways to it.
+        let condition = match &amplitudes {
+            Ok(amplitudes) if coefficients.size_parameter().im > 0.0 => moduli / amplitudes[0][0].norm(),
+            _ => 1.0,
+        };
         let mut values = vec![];
         match coefficients.scattering() {
             Ok(s) => values.extend([
@@ -128,12 +129,9 @@ fn the_series_is_summed_as_well_as_arithmetic_allows() {
         for (name, value) in values {
             let expected = case.number(name).expect("kept");
             let error = if expected == 0.0 { value.abs() } else { (value / expected - 1.0).abs() };
-            worst.meet(&case, name, error, 1.0);
+            worst.meet(&case, name, error, condition);
         }
-        let Ok(amplitudes) = coefficients.amplitudes(&directions) else { continue };
-        let moduli: f64 =
-            coefficients.terms().enumerate().map(|(i, [a, b])| (i as f64 + 1.5) * (a.norm() + b.norm())).sum();
-        for ((angle, _), amplitudes) in angles.iter().zip(amplitudes) {
+        for ((angle, _), amplitudes) in angles.iter().zip(amplitudes.into_iter().flatten()) {
             for (i, amplitude) in amplitudes.into_iter().enumerate() {
                 let name = format!("s{}_{angle}", i + 1);
                 let part = |part: &str| case.number(&format!("{name}_{part}"));

@@ -3,68 +3,16 @@
 use pulp::Simd;
 
 use super::host::Host;
-use super::kernel::{Constants, Group, Sink, divide, step, up};
+use super::kernel::{Constants, Group, Sink, divide};
 use super::lanes::{Cx, Re, Wave};
+use super::recurrence::{Descent, up};
 use super::weights::Weights;
 
 /// Longest run of orders that is kept in memory.
 const BLOCK: usize = 64;
 
 /// How far numbers may grow over one run, as a natural logarithm: fourth powers of the result must not overflow.
-const GROWTH: f64 = 138.0;
-
-/// A downward recurrence: `f_{n+1}` and `f_n` up to a common factor.
-#[derive(Clone, Copy)]
-struct Descent<W> {
-    above: W,
-    here: W,
-}
-
-impl<W> Descent<W> {
-    /// At the order `from`, above which the solution counts as zero, down to the order `to`.
-    #[inline(always)]
-    fn new<S: Simd>([zero, one, inverse]: [W; 3], unit: Re<S>, [from, to]: [usize; 2], run: usize) -> Self
-    where
-        W: Wave<S>,
-    {
-        let mut descent = Self { above: zero, here: one };
-        for n in (to + 1..=from).rev() {
-            descent.down(inverse, unit.same(2.0 * n as f64 + 1.0));
-            if n % run == 0 {
-                descent.scale(descent.size().recip());
-            }
-        }
-        descent
-    }
-
-    /// From order `n` to `n - 1`, with `factor = 2n + 1`.
-    #[inline(always)]
-    fn down<S: Simd>(&mut self, inverse: W, factor: Re<S>)
-    where
-        W: Wave<S>,
-    {
-        let below = step(inverse, factor, self.here, self.above);
-        self.above = self.here;
-        self.here = below;
-    }
-
-    #[inline(always)]
-    fn size<S: Simd>(&self) -> Re<S>
-    where
-        W: Wave<S>,
-    {
-        self.here.size() + self.above.size()
-    }
-
-    #[inline(always)]
-    fn scale<S: Simd>(&mut self, factor: Re<S>)
-    where
-        W: Wave<S>,
-    {
-        self.above = self.above.scale(factor);
-        self.here = self.here.scale(factor);
-    }
-}
+pub(super) const GROWTH: f64 = 138.0;
 
 /// Everything that runs downward, at one order `n` and the next: `psi` and `p`, each with a factor of its own, and `M`
 /// with both.

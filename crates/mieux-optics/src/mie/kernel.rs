@@ -73,15 +73,7 @@ impl<S: Simd, H: Host<S>> Constants<S, H> {
         let particle = Cx { re: load(&group.particle_re), im: load(&group.particle_im) };
         let x = H::size_parameter(k0r, host);
         let y = k0r.times(particle);
-        let size = particle.norm_sqr().recip();
-        let over = |z: Cx<S>| Cx { re: z.dot(particle) * size, im: z.cross(particle) * size };
-        // 1 - 1/m^2 = e (2 - e) with e = 1 - 1/m, part by part so that neither loses digits to the other.
-        let inverse_m = over(host);
-        let e = over(particle - host);
-        let contrast = Cx {
-            re: e.im.mul_add(e.im, e.re * (e.re.same(2.0) - e.re)),
-            im: e.re.same(-2.0) * inverse_m.re * inverse_m.im,
-        };
+        let (inverse_m, contrast) = contrast(host, particle);
         let inverse_x = x.recip();
         Self { simd, x, inverse_x, y, inverse_y: y.recip(), inverse_m, kappa: inverse_x.times(contrast) }
     }
@@ -90,6 +82,21 @@ impl<S: Simd, H: Host<S>> Constants<S, H> {
     pub fn real(&self, value: f64) -> Re<S> {
         Re::splat(self.simd, value)
     }
+}
+
+/// `1 / m` and `1 - 1 / m^2` of a particle in a host.
+#[inline(always)]
+pub(super) fn contrast<S: Simd>(host: Cx<S>, particle: Cx<S>) -> (Cx<S>, Cx<S>) {
+    let size = particle.norm_sqr().recip();
+    let over = |z: Cx<S>| Cx { re: z.dot(particle) * size, im: z.cross(particle) * size };
+    // 1 - 1/m^2 = e (2 - e) with e = 1 - 1/m, part by part so that neither loses digits to the other.
+    let inverse_m = over(host);
+    let e = over(particle - host);
+    let contrast = Cx {
+        re: e.im.mul_add(e.im, e.re * (e.re.same(2.0) - e.re)),
+        im: e.re.same(-2.0) * inverse_m.re * inverse_m.im,
+    };
+    (inverse_m, contrast)
 }
 
 /// Both coefficients of one order, electric and magnetic, from one division.
@@ -103,16 +110,4 @@ pub(super) fn divide<S: Simd>(a: Fraction<S>, b: Fraction<S>) -> Term<S> {
         square: a.square.mul_add(under_a, b.square * under_b),
         loss: a.loss.mul_add(under_a, b.loss * under_b),
     }
-}
-
-/// One step of the three-term recurrence in either direction: `(2n + 1) / z * current - other`.
-#[inline(always)]
-pub(super) fn step<S: Simd, W: Wave<S>>(inverse: W, factor: Re<S>, current: W, other: W) -> W {
-    current.mul_sub(inverse.scale(factor), other)
-}
-
-/// From orders `n - 1` and `n` to `n` and `n + 1`, with `factor = 2n + 1`.
-#[inline(always)]
-pub(super) fn up<S: Simd, W: Wave<S>>(inverse: W, factor: Re<S>, pair: [W; 2]) -> [W; 2] {
-    [pair[1], step(inverse, factor, pair[1], pair[0])]
 }

@@ -11,6 +11,9 @@ mod elementary;
 mod host;
 mod kernel;
 mod lanes;
+mod layered;
+mod layered_sphere;
+mod recurrence;
 mod sphere;
 mod sums;
 mod upward;
@@ -19,6 +22,7 @@ mod weights;
 
 pub use amplitude::{Directions, Mueller};
 pub use coefficients::Coefficients;
+pub use layered_sphere::{Layer, LayeredSphere, scatter_layered_spheres};
 pub use sphere::{Sphere, scatter_sphere, scatter_spheres};
 pub use wave::{PlaneWave, SphereScattering};
 
@@ -76,6 +80,22 @@ pub enum MieError {
         exponent: f64,
         /// Largest exponent that is possible with the definition of scattering in use.
         most: f64,
+    },
+    /// A layered sphere has from 1 to 1 000 layers.
+    #[error("{count} layers: a layered sphere has from 1 to 1000")]
+    Layers {
+        /// How many there were.
+        count: usize,
+    },
+    /// Layers go from the core outward.
+    #[error("layer {layer} has a radius of {radius_m:e} m, no more than the {inside_m:e} m of the one inside it")]
+    LayerOrder {
+        /// Which layer, the core being 1.
+        layer: usize,
+        /// Its outer radius, m.
+        radius_m: f64,
+        /// Outer radius of the layer inside it, m.
+        inside_m: f64,
     },
     /// In a host that absorbs much over one particle, what is reflected off its face outweighs the light that gets
     /// through so far that the forward amplitude, in which reflections cancel, is lost to rounding.

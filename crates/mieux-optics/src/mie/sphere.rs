@@ -11,6 +11,7 @@ use super::elementary::NARROW;
 use super::host::{Absorbing, Lossless, Opaque};
 use super::kernel::{Group, Sink};
 use super::lanes::{Cx, MAX_LANES, Re};
+use super::recurrence::{abreast, series_order, start_order};
 use super::sums::Sums;
 use super::upward::upward;
 use super::wave::{PlaneWave, SphereScattering, check_index, check_length, check_size_parameters};
@@ -76,28 +77,6 @@ pub fn scatter_sphere(
     particle: Complex64,
 ) -> Result<SphereScattering, MieError> {
     Sphere::new(PlaneWave::new(wavelength_m, host)?, radius_m, particle)?.scattering()
-}
-
-/// Order beyond which the terms of a series in size parameter `modulus` no longer count.
-///
-/// Beyond the edge `n = |x|` coefficients fall like `exp(-1.886 p^(3/2))` with `p = (n - |x|) / |x|^(1/3)`, which is eq
-/// 19 of `frisvad2007` with 7.25 (1e-16) where 4.3 gave 1e-8.
-fn series_order(modulus: f64) -> usize {
-    (modulus + 7.25 * modulus.cbrt() + 3.0) as usize
-}
-
-/// Order from which a downward recurrence in `z` forgets its start before it reaches `order`, where `top` does for
-/// whatever `z`.
-fn start_order(z: Complex64, order: usize, top: usize) -> usize {
-    let nu = order as f64 + 0.5;
-    if top > order + 100 && z.im > 0.0 && nu * nu < z.norm_sqr() {
-        // Per order the dominated solution shrinks by exp(-2 |Im theta|) against the other, where cos theta = nu / z.
-        let steps = 20.0 / (nu / z).acos().im.abs();
-        if steps < top as f64 {
-            return top.min(order + 16 + steps as usize);
-        }
-    }
-    top
 }
 
 /// How a sphere's series is summed; spheres of one class go abreast. Small ones first, as input often comes.
@@ -211,7 +190,12 @@ impl WithSimd for ScatterSpheres<'_> {
         out.resize(first + spheres.len(), SphereScattering::NONE);
         let out = &mut out[first..];
         for class in members.chunk_by(|a, b| a.class == b.class) {
-            for members in class.chunks(S::F64_LANES) {
+            let mut rest = class;
+            while !rest.is_empty() {
+                let sizes: [f64; MAX_LANES] = std::array::from_fn(|i| rest[i.min(rest.len() - 1)].size);
+                let count = abreast(S::F64_LANES.min(rest.len()), &sizes);
+                let (members, others) = rest.split_at(count);
+                rest = others;
                 let group = group(spheres, members);
                 let sums = if class[0].class == Class::Opaque {
                     let mut sums = Sums::<S, true>::new(simd);
@@ -396,6 +380,28 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    /// Whatever goes abreast, every sphere gets what it gets alone, to rounding.
+    #[test]
+    fn spheres_do_not_disturb_each_other() {
+        let wave = PlaneWave::new(UM, c(1.0, 0.0)).unwrap();
+        let spheres: Vec<Sphere> = (0..200u64)
+            .map(|i| {
+                // Sizes 1e-8 to 1e3 in no order, some of which take each of the ways to sum.
+                let x = 10f64.powf(((i * 89) % 200) as f64 / 200.0 * 11.0 - 8.0);
+                let index = [c(1.5, 0.01), c(1.33, 0.0), c(0.7, 0.0), c(1.0001, 1e-9), c(0.1, 4.0)][i as usize % 5];
+                Sphere::new(wave, x * UM / (2.0 * PI), index).unwrap()
+            })
+            .collect();
+        let mut together = Vec::new();
+        scatter_spheres(&spheres, &mut together).unwrap();
+        for (sphere, s) in spheres.iter().zip(together) {
+            let alone = sphere.scattering().unwrap();
+            close(s.extinction, alone.extinction, 1e-12);
+            close(s.scattering, alone.scattering, 1e-12);
+            close(s.asymmetry, alone.asymmetry, 1e-11);
         }
     }
 }

@@ -1,0 +1,106 @@
+//! The three-term recurrence of Riccati-Bessel functions, `f_{n+1} + f_{n-1} = (2n + 1) / z f_n`, both ways.
+//!
+//! `psi_n` is the solution that fades beyond the order of its argument, so it runs downward; every other one runs upward.
+
+use num_complex::Complex64;
+use pulp::Simd;
+
+use super::lanes::{Re, Wave};
+
+/// One step of the three-term recurrence in either direction: `(2n + 1) / z * current - other`.
+#[inline(always)]
+pub(super) fn step<S: Simd, W: Wave<S>>(inverse: W, factor: Re<S>, current: W, other: W) -> W {
+    current.mul_sub(inverse.scale(factor), other)
+}
+
+/// From orders `n - 1` and `n` to `n` and `n + 1`, with `factor = 2n + 1`.
+#[inline(always)]
+pub(super) fn up<S: Simd, W: Wave<S>>(inverse: W, factor: Re<S>, pair: [W; 2]) -> [W; 2] {
+    [pair[1], step(inverse, factor, pair[1], pair[0])]
+}
+
+/// A downward recurrence: `f_{n+1}` and `f_n` up to a common factor.
+#[derive(Clone, Copy)]
+pub(super) struct Descent<W> {
+    pub above: W,
+    pub here: W,
+}
+
+impl<W> Descent<W> {
+    /// At the order `from`, above which the solution counts as zero, down to the order `to`.
+    #[inline(always)]
+    pub fn new<S: Simd>([zero, one, inverse]: [W; 3], unit: Re<S>, [from, to]: [usize; 2], run: usize) -> Self
+    where
+        W: Wave<S>,
+    {
+        let mut descent = Self { above: zero, here: one };
+        for n in (to + 1..=from).rev() {
+            descent.down(inverse, unit.same(2.0 * n as f64 + 1.0));
+            if n % run == 0 {
+                descent.scale(descent.size().recip());
+            }
+        }
+        descent
+    }
+
+    /// From order `n` to `n - 1`, with `factor = 2n + 1`.
+    #[inline(always)]
+    pub fn down<S: Simd>(&mut self, inverse: W, factor: Re<S>)
+    where
+        W: Wave<S>,
+    {
+        let below = step(inverse, factor, self.here, self.above);
+        self.above = self.here;
+        self.here = below;
+    }
+
+    #[inline(always)]
+    pub fn size<S: Simd>(&self) -> Re<S>
+    where
+        W: Wave<S>,
+    {
+        self.here.size() + self.above.size()
+    }
+
+    #[inline(always)]
+    pub fn scale<S: Simd>(&mut self, factor: Re<S>)
+    where
+        W: Wave<S>,
+    {
+        self.above = self.above.scale(factor);
+        self.here = self.here.scale(factor);
+    }
+}
+
+/// Order beyond which the terms of a series in size parameter `modulus` no longer count.
+///
+/// Beyond the edge `n = |x|` coefficients fall like `exp(-1.886 p^(3/2))` with `p = (n - |x|) / |x|^(1/3)`, which is eq
+/// 19 of `frisvad2007` with 7.25 (1e-16) where 4.3 gave 1e-8.
+pub(super) fn series_order(modulus: f64) -> usize {
+    (modulus + 7.25 * modulus.cbrt() + 3.0) as usize
+}
+
+/// How many of the first `width` size parameters, ascending, can go abreast: orders that only the largest needs make the
+/// outgoing waves of the smallest grow, which must stay far from overflow.
+pub(super) fn abreast(width: usize, sizes: &[f64]) -> usize {
+    let smallest = sizes.first().copied().unwrap_or(1.0);
+    let fits = |count: &usize| {
+        let (least, most) = (series_order(smallest), series_order(sizes[count - 1]));
+        (most - least) as f64 * ((2.0 * most as f64 + 1.0) / smallest).ln() < 50.0
+    };
+    (1..=width.min(sizes.len())).rev().find(fits).unwrap_or(1)
+}
+
+/// Order from which a downward recurrence in `z` forgets its start before it reaches `order`, where `top` does for
+/// whatever `z`.
+pub(super) fn start_order(z: Complex64, order: usize, top: usize) -> usize {
+    let nu = order as f64 + 0.5;
+    if top > order + 100 && z.im > 0.0 && nu * nu < z.norm_sqr() {
+        // Per order the dominated solution shrinks by exp(-2 |Im theta|) against the other, where cos theta = nu / z.
+        let steps = 20.0 / (nu / z).acos().im.abs();
+        if steps < top as f64 {
+            return top.min(order + 16 + steps as usize);
+        }
+    }
+    top
+}
