@@ -98,10 +98,43 @@ fn definitions_differ_where_the_host_absorbs() {
     assert!(serde_json::from_str::<Job>(text).is_err());
 }
 
+fn coat(radius: &str, index: &str) -> Coat {
+    format!("{radius}:{index}").parse().unwrap()
+}
+
+/// A water core in soot, 1 % soot by volume, after Yang (2003), Appl. Opt. 42, 1710, as tabulated by n-mie 3a.
+#[test]
+fn a_coated_sphere_agrees_with_a_published_table() {
+    let nanometres = |x: f64| format!("{:e}nm", x * 550.0 / std::f64::consts::TAU);
+    let soot = coat(&nanometres(10.1), "1.59+0.66i");
+    let value = json(Mie { layers: vec![soot], ..sphere(&nanometres(10.066556046521), "1.33") });
+    for (key, expected) in [("q_ext", 2.11636), ("q_sca", 1.92025), ("q_back", 0.215581)] {
+        let found = value[key].as_f64().unwrap();
+        assert!((found / expected - 1.0).abs() < 5e-6, "{key}: {found} is not {expected}");
+    }
+    assert!((value["size_parameter"].as_f64().unwrap() - 10.1).abs() < 1e-9);
+}
+
+/// Layers of one index are one sphere.
+#[test]
+fn layers_alike_are_no_layers() {
+    let layers = vec![coat("300nm", "1.5+0.01i"), coat("0.5um", "1.5+0.01i")];
+    let angles = Some("0:180:10".parse().unwrap());
+    let layered = json(Mie { layers, angles, ..sphere("0.2um", "1.5+0.01i") });
+    let whole = json(Mie { angles, ..sphere("0.5um", "1.5+0.01i") });
+    for key in ["c_ext_m2", "q_abs", "q_back", "g", "radius_m"] {
+        let (a, b) = (layered[key].as_f64().unwrap(), whole[key].as_f64().unwrap());
+        assert!((a / b - 1.0).abs() < 1e-10, "{key}: {a} {b}");
+    }
+    for i in 0..19 {
+        let at = |value: &serde_json::Value| value["phase_per_sr"][i].as_f64().unwrap();
+        assert!((at(&layered) / at(&whole) - 1.0).abs() < 1e-9, "{i}");
+    }
+}
+
 #[test]
 fn layers_ascend() {
-    let coat = |radius: &str| Coat { radius: radius.parse().unwrap(), index: "1.4".parse().unwrap() };
-    let job = Mie { layers: vec![coat("600nm"), coat("600nm")], ..sphere("0.5um", "1.5") };
+    let job = Mie { layers: vec![coat("600nm", "1.4"), coat("600nm", "1.3")], ..sphere("0.5um", "1.5") };
     let error = run(Job::Mie(job)).unwrap_err();
     assert!(matches!(error, JobError::Layers { number: 2, .. }), "{error:?}");
 }

@@ -8,11 +8,10 @@ use std::time::Instant;
 use mieux_io::output::{WriteSeek, write_atomic};
 use mieux_io::rows::{ByteRecord, Columns, RowReader, Rows, RowsError, append_fields, append_numbers};
 use mieux_optics::Complex64;
-use mieux_optics::mie::{MieError, PlaneWave, ScatteringDefinition, Sphere, SphereScattering};
+use mieux_optics::mie::{MieError, PlaneWave, ScatteringDefinition, Sphere, SphereScattering, scatter_spheres};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::particle::scatter;
 use super::{Context, Definition, Event, JobError, Stage};
 
 /// Rows in memory at a time; twice as many, as the next are read while these are computed.
@@ -193,7 +192,7 @@ impl Slice {
             self.radii.push(numbers[0] / 1e6);
             self.spheres.push(sphere);
         }
-        scatter(&self.spheres, &mut self.scattering)
+        scatter_spheres(&self.spheres, &mut self.scattering)
             .map_err(|error| blame(&rows[error.index], columns, &error.source))?;
         for ((row, radius), s) in rows.iter().zip(&self.radii).zip(&self.scattering) {
             let area = PI * radius * radius;

@@ -100,7 +100,7 @@ impl Mie {
         let wave = PlaneWave::new(self.wavelength.metres(), self.host.value())?.with_definition(self.definition.into());
         let core = (self.radius.metres(), self.particle.value());
         let layers = self.layers.iter().map(|layer| (layer.radius.metres(), layer.index.value()));
-        Particle::new(wave, std::iter::once(core).chain(layers))
+        Particle::new(wave, core, layers)
     }
 
     pub(super) fn run(&self, context: &Context<'_>) -> Result<MieReport, JobError> {

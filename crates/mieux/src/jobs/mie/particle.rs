@@ -1,43 +1,55 @@
 //! A particle with or without layers, all checked.
 
 use mieux_optics::Complex64;
-use mieux_optics::mie::{Coefficients, PlaneWave, Sphere, SphereError, SphereScattering, scatter_spheres};
+use mieux_optics::mie::{
+    Coefficients, Layer, LayeredSphere, MieError, PlaneWave, Sphere, SphereError, SphereScattering,
+    scatter_layered_spheres, scatter_spheres,
+};
 use rayon::prelude::*;
 
 use super::JobError;
+
+/// How many particles one thread computes abreast.
+const ABREAST: usize = 16;
 
 /// A sphere, or a sphere with layers around it, in a plane wave.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Particle {
     wave: PlaneWave,
-    /// Outer radius (m) and refractive index, from the inside outward; never empty.
-    layers: Vec<(f64, Complex64)>,
+    core: Layer,
+    /// Around the core, from the inside outward.
+    coats: Vec<Layer>,
 }
 
 impl Particle {
-    /// From the core and the layers around it: outer radius (m) and refractive index of each.
+    /// From the core and what is around it, from the inside outward: outer radius (m) and refractive index of each.
     ///
     /// # Errors
     /// [`JobError::Mie`] when it cannot be computed.
-    pub fn new(wave: PlaneWave, layers: impl IntoIterator<Item = (f64, Complex64)>) -> Result<Self, JobError> {
-        let particle = Self { wave, layers: layers.into_iter().collect() };
-        particle.sphere(1.0)?;
+    pub fn new(
+        wave: PlaneWave,
+        core: (f64, Complex64),
+        coats: impl IntoIterator<Item = (f64, Complex64)>,
+    ) -> Result<Self, JobError> {
+        let layer = |(radius, index)| Layer { radius, index };
+        let particle = Self { wave, core: layer(core), coats: coats.into_iter().map(layer).collect() };
+        if particle.coats.is_empty() { particle.sphere(1.0).map(drop) } else { particle.layered(1.0).map(drop) }?;
         Ok(particle)
-    }
-
-    /// The wave it is in.
-    pub fn wave(&self) -> &PlaneWave {
-        &self.wave
     }
 
     /// Outer radius, m.
     pub fn radius(&self) -> f64 {
-        self.layers.last().map_or(0.0, |layer| layer.0)
+        self.coats.last().unwrap_or(&self.core).radius
     }
 
-    fn sphere(&self, scale: f64) -> Result<Sphere, JobError> {
-        let (radius, index) = self.layers[0];
-        Ok(Sphere::new(self.wave, scale * radius, index)?)
+    fn sphere(&self, scale: f64) -> Result<Sphere, MieError> {
+        Sphere::new(self.wave, scale * self.core.radius, self.core.index)
+    }
+
+    fn layered(&self, scale: f64) -> Result<LayeredSphere, MieError> {
+        let layers = std::iter::once(&self.core).chain(&self.coats);
+        let scaled: Vec<Layer> = layers.map(|l| Layer { radius: scale * l.radius, index: l.index }).collect();
+        LayeredSphere::new(self.wave, &scaled)
     }
 
     /// Its coefficients.
@@ -45,37 +57,35 @@ impl Particle {
     /// # Errors
     /// [`JobError::Mie`] when it cannot be computed.
     pub fn coefficients(&self) -> Result<Coefficients, JobError> {
-        Ok(self.sphere(1.0)?.coefficients())
+        Ok(if self.coats.is_empty() { self.sphere(1.0)?.coefficients() } else { self.layered(1.0)?.coefficients() })
     }
 
     /// The scattering of particles so many times as large, in their order; those that cannot be computed are left out.
     /// With each goes its outer radius, m.
     pub fn scaled(&self, scales: &[f64]) -> Vec<(f64, SphereScattering)> {
-        let spheres: Vec<(f64, Sphere)> =
-            scales.iter().filter_map(|&s| Some((s * self.radius(), self.sphere(s).ok()?))).collect();
-        let slices: Vec<Vec<(f64, SphereScattering)>> = spheres
-            .par_chunks(16)
-            .map(|slice| {
-                let mut out = Vec::with_capacity(slice.len());
-                if scatter(&slice.iter().map(|s| s.1).collect::<Vec<_>>(), &mut out).is_ok() {
-                    return slice.iter().map(|s| s.0).zip(out).collect();
-                }
-                slice.iter().filter_map(|(radius, sphere)| Some((*radius, sphere.scattering().ok()?))).collect()
-            })
-            .collect();
-        slices.concat()
+        let radius = self.radius();
+        if self.coats.is_empty() {
+            let spheres = scales.iter().filter_map(|&s| Some((s * radius, self.sphere(s).ok()?))).unzip();
+            abreast(spheres, scatter_spheres, Sphere::scattering)
+        } else {
+            let spheres = scales.iter().filter_map(|&s| Some((s * radius, self.layered(s).ok()?))).unzip();
+            abreast(spheres, scatter_layered_spheres, LayeredSphere::scattering)
+        }
     }
 }
 
-/// [`scatter_spheres`], in which spheres that differ much in size and go abreast can overflow: what is not finite is
-/// computed once more by itself.
-pub(super) fn scatter(spheres: &[Sphere], out: &mut Vec<SphereScattering>) -> Result<(), SphereError> {
-    let first = out.len();
-    scatter_spheres(spheres, out)?;
-    for (index, (sphere, s)) in spheres.iter().zip(&mut out[first..]).enumerate() {
-        if !(s.extinction.is_finite() && s.scattering.is_finite()) {
-            *s = sphere.scattering().map_err(|source| SphereError { index, source })?;
+/// Computes many particles on all threads, and one by one where one of them cannot be.
+fn abreast<T: Sync>(
+    (radii, particles): (Vec<f64>, Vec<T>),
+    many: fn(&[T], &mut Vec<SphereScattering>) -> Result<(), SphereError>,
+    one: fn(&T) -> Result<SphereScattering, MieError>,
+) -> Vec<(f64, SphereScattering)> {
+    let slices = radii.par_chunks(ABREAST).zip(particles.par_chunks(ABREAST)).map(|(radii, particles)| {
+        let mut out = Vec::with_capacity(particles.len());
+        if many(particles, &mut out).is_ok() {
+            return radii.iter().copied().zip(out).collect();
         }
-    }
-    Ok(())
+        radii.iter().zip(particles).filter_map(|(radius, particle)| Some((*radius, one(particle).ok()?))).collect()
+    });
+    slices.collect::<Vec<Vec<_>>>().concat()
 }
