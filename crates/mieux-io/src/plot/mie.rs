@@ -23,8 +23,11 @@ pub struct SizePlot<'a> {
 /// are left out.
 pub fn efficiency_figure(title: &str, sizes: &SizePlot<'_>) -> Figure {
     let [x, q_ext, g] = sizes.here;
+    let highest = sizes.q_ext.iter().copied().filter(|q| q.is_finite()).fold(0.0, f64::max);
+    // Less than nothing by less than a line's width asks for no room below zero.
+    let at_least_zero = |q: f64| if q < 0.0 && q > -0.01 * highest { 0.0 } else { q };
     let series = |label: &str, values: &[f64]| {
-        Series::new(label, sizes.size_parameter.iter().copied().zip(values.iter().copied()))
+        Series::new(label, sizes.size_parameter.iter().copied().zip(values.iter().map(|q| at_least_zero(*q))))
     };
     let lowest = sizes.asymmetry.iter().copied().filter(|g| g.is_finite()).fold(0.0, f64::min);
     let lower = if lowest < -0.02 { -1.0 } else { 0.0 };
@@ -59,10 +62,10 @@ pub fn polarisation_figure(title: &str, angles: &[f64], across_and_along: &[[f64
         Series::new(label, angles.iter().copied().zip(across_and_along.iter().map(value)))
     };
     let axis = "Scattering angle (degrees)";
-    let parts = Panel::new("Light polarised one way", axis, "Phase function (1/sr)")
+    let parts = Panel::new("Polarised across and along the plane of scattering", axis, "Phase function (1/sr)")
         .with_scales(Scale::ScatteringAngle, Scale::Log)
-        .with_series(series("across the plane of scattering", |p| p[0]))
-        .with_series(series("along it", |p| p[1]));
+        .with_series(series("across", |p| p[0]))
+        .with_series(series("along", |p| p[1]));
     let degree = Panel::new("Unpolarised light", axis, "Degree of linear polarisation")
         .with_scales(Scale::ScatteringAngle, Scale::LinearOver(-1.0, 1.0))
         .with_series(series("", |[across, along]| (across - along) / (across + along)));
@@ -91,7 +94,7 @@ mod tests {
         assert!(polarisation_figure("", &angles, &nothing).to_svg().is_err());
         let rayleigh: Vec<_> = angles.iter().map(|a| [1.0, a.to_radians().cos().powi(2)]).collect();
         let text = polarisation_figure("", &angles, &rayleigh).to_svg().unwrap();
-        assert!(text.contains("Degree of linear polarisation") && text.contains("along it") && !text.contains("NaN"));
+        assert!(text.contains("Degree of linear polarisation") && text.contains("along") && !text.contains("NaN"));
     }
 
     #[test]
