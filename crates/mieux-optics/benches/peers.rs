@@ -8,7 +8,7 @@ use std::hint::black_box;
 
 use mieux_optics::Complex64;
 use mieux_optics::mie::{
-    Directions, Layer, LayeredSphere, PlaneWave, Sphere, SphereScattering, scatter_layered_spheres, scatter_spheres,
+    Directions, Layer, LayeredSphere, PlaneWave, Population, ScatteringDefinition, Sphere, scatter_layered_spheres,
 };
 use rustix::time::{ClockId, clock_gettime};
 
@@ -33,35 +33,27 @@ fn vacuum() -> PlaneWave {
 }
 
 /// Sum of the efficiencies, by which contenders are seen to do the same.
-fn checksum(radii: &[f64], scattering: &[SphereScattering]) -> f64 {
-    let efficiencies = |(i, s): (usize, &SphereScattering)| {
-        let r = radii[i % radii.len()];
-        (s.extinction + s.scattering) / (PI * r * r)
-    };
-    scattering.iter().enumerate().map(efficiencies).sum()
+fn checksum(radii: &[f64], extinction: &[f64], scattering: &[f64]) -> f64 {
+    let sums = extinction.iter().zip(scattering).enumerate();
+    sums.map(|(i, (e, s))| (e + s) / (PI * radii[i % radii.len()].powi(2))).sum()
+}
+
+fn population(radii: &[f64], wavelengths: &[f64], host: &[Complex64], particle: &[Complex64]) -> (usize, f64) {
+    let definition = ScatteringDefinition::default();
+    let all = Population { radii, wavelengths, host, particle, definition }.scatter().expect("computed");
+    (all.extinction.len(), checksum(radii, &all.extinction, &all.scattering))
 }
 
 fn spheres(sizes: &[f64]) -> (usize, f64) {
-    let (wave, index) = (vacuum(), c(1.5, 0.01));
-    let spheres: Vec<Sphere> = sizes.iter().map(|x| Sphere::new(wave, *x, index).expect("within range")).collect();
-    let mut out = Vec::new();
-    scatter_spheres(&spheres, &mut out).expect("computed");
-    (spheres.len(), checksum(sizes, &out))
+    population(sizes, &[2.0 * PI], &[c(1.0, 0.0)], &[c(1.5, 0.01)])
 }
 
 /// Radii by wavelengths, in a host with imaginary index `host_im`.
 fn table(radii: &[f64], host_im: f64) -> (usize, f64) {
-    let mut spheres = Vec::with_capacity(17 * radii.len());
-    for i in 0..17 {
-        let nm = 380.0 + 25.0 * f64::from(i);
-        let host = c(1.32 + 3100.0 / (nm * nm), host_im);
-        let index = c(1.45 + 4000.0 / (nm * nm), 1e-6);
-        let wave = PlaneWave::new(nm * 1e-9, host).expect("within range");
-        spheres.extend(radii.iter().map(|r| Sphere::new(wave, *r, index).expect("within range")));
-    }
-    let mut out = Vec::new();
-    scatter_spheres(&spheres, &mut out).expect("computed");
-    (spheres.len(), checksum(radii, &out))
+    let nm: [f64; 17] = std::array::from_fn(|i| 380.0 + 25.0 * i as f64);
+    let host = nm.map(|nm| c(1.32 + 3100.0 / (nm * nm), host_im));
+    let particle = nm.map(|nm| c(1.45 + 4000.0 / (nm * nm), 1e-6));
+    population(radii, &nm.map(|nm| nm * 1e-9), &host, &particle)
 }
 
 fn amplitudes(sizes: &[f64]) -> (usize, f64) {
@@ -89,7 +81,8 @@ fn layers(sizes: &[f64], count: usize) -> (usize, f64) {
     let spheres: Vec<LayeredSphere> = sizes.iter().map(sphere).collect();
     let mut out = Vec::new();
     scatter_layered_spheres(&spheres, &mut out).expect("computed");
-    (spheres.len(), checksum(sizes, &out))
+    let (extinction, scattering): (Vec<f64>, Vec<f64>) = out.iter().map(|s| (s.extinction, s.scattering)).unzip();
+    (spheres.len(), checksum(sizes, &extinction, &scattering))
 }
 
 fn time(name: &str, work: &dyn Fn() -> (usize, f64)) {
@@ -106,6 +99,7 @@ fn time(name: &str, work: &dyn Fn() -> (usize, f64)) {
 }
 
 fn main() {
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("one thread");
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let (hundred, thousand) = (log_spaced(1.0, 100.0, 100_000), log_spaced(0.1, 1000.0, 100_000));
     let radii = log_spaced(1e-8, 1e-5, 1000);

@@ -14,10 +14,22 @@ use super::lanes::{LaneArray, MAX_LANES, Re};
 #[derive(Debug, Clone)]
 pub struct Directions {
     cosines: Vec<f64>,
-    /// Moduli of the cosines, each once, filled up to whole registers.
-    folded: Vec<LaneArray>,
-    /// For every cosine its place among the moduli.
-    places: Vec<usize>,
+    folded: Vec<Folded>,
+}
+
+/// Moduli of cosines abreast, and which directions have them.
+#[derive(Debug, Clone)]
+struct Folded {
+    moduli: LaneArray,
+    uses: Vec<Use>,
+}
+
+/// A direction that has the modulus of one lane.
+#[derive(Debug, Clone, Copy)]
+struct Use {
+    direction: usize,
+    lane: usize,
+    backward: bool,
 }
 
 /// Elements of the normalised Mueller matrix at one angle; `p22 = p11` and `p44 = p33` for spheres.
@@ -38,14 +50,25 @@ impl Directions {
     pub fn new(cosines: impl IntoIterator<Item = f64>) -> Self {
         let clean = |mu: f64| if mu.is_nan() { 1.0 } else { mu.clamp(-1.0, 1.0) };
         let cosines: Vec<f64> = cosines.into_iter().map(clean).collect();
-        let mut moduli: Vec<f64> = cosines.iter().map(|mu| mu.abs()).collect();
-        moduli.sort_unstable_by(f64::total_cmp);
-        moduli.dedup();
-        let place = |mu: &f64| moduli.partition_point(|m| *m < mu.abs());
-        let places = cosines.iter().map(place).collect();
-        let folded =
-            moduli.chunks(MAX_LANES).map(|chunk| std::array::from_fn(|i| chunk[i.min(chunk.len() - 1)])).collect();
-        Self { cosines, folded, places }
+        let mut order: Vec<usize> = (0..cosines.len()).collect();
+        order.sort_by(|&i, &j| cosines[i].abs().total_cmp(&cosines[j].abs()));
+        let mut folded: Vec<Folded> = Vec::new();
+        let (mut lane, mut last) = (MAX_LANES, f64::NAN);
+        for direction in order {
+            let mu = cosines[direction];
+            if mu.abs() != last {
+                (lane, last) = (lane + 1, mu.abs());
+                if lane >= MAX_LANES {
+                    folded.push(Folded { moduli: [last; MAX_LANES], uses: Vec::new() });
+                    lane = 0;
+                }
+            }
+            if let Some(block) = folded.last_mut() {
+                block.moduli[lane] = last;
+                block.uses.push(Use { direction, lane, backward: mu.is_sign_negative() });
+            }
+        }
+        Self { cosines, folded }
     }
 
     /// `count` angles in equal steps from 0 to 180 degrees, both included.
@@ -156,22 +179,24 @@ impl WithSimd for Fold<'_> {
         if factors.len() % 2 == 1 {
             factors.push(Factors::default());
         }
-        let mut folded: Vec<[Sums<LaneArray>; 2]> = Vec::with_capacity(self.directions.folded.len());
-        for lanes in &self.directions.folded {
-            let mut out = [[[0.0; MAX_LANES]; 8]; 2];
+        let mut amplitudes = vec![[Complex64::ZERO; 2]; self.directions.cosines.len()];
+        for Folded { moduli, uses } in &self.directions.folded {
+            let mut sums = [[[0.0; MAX_LANES]; 8]; 2];
             // A register at a time; on a machine with narrow ones several times per array.
             for first in (0..MAX_LANES).step_by(S::F64_LANES) {
                 let mut mu = [0.0; MAX_LANES];
-                mu[..S::F64_LANES].copy_from_slice(&lanes[first..first + S::F64_LANES]);
-                let sums = fold(&factors, Re::load(simd, &mu));
-                for (out, sum) in out.iter_mut().flatten().zip(sums.into_iter().flatten()) {
-                    out[first..first + S::F64_LANES].copy_from_slice(&sum.lanes()[..S::F64_LANES]);
+                mu[..S::F64_LANES].copy_from_slice(&moduli[first..first + S::F64_LANES]);
+                for (sums, folded) in sums.iter_mut().zip(fold(&factors, Re::load(simd, &mu))) {
+                    for (sum, folded) in sums.iter_mut().zip(folded) {
+                        sum[first..first + S::F64_LANES].copy_from_slice(&folded.lanes()[..S::F64_LANES]);
+                    }
                 }
             }
-            folded.push(out);
+            for Use { direction, lane, backward } in uses {
+                amplitudes[*direction] = unfold(&sums, *lane, *backward);
+            }
         }
-        let Directions { cosines, places, .. } = self.directions;
-        cosines.iter().zip(places).map(|(mu, place)| unfold(&folded, mu.is_sign_negative(), *place)).collect()
+        amplitudes
     }
 }
 
@@ -181,36 +206,52 @@ const RUN: usize = 512;
 /// Sums over odd and over even orders at non-negative cosines.
 #[inline(always)]
 fn fold<S: Simd>(factors: &[Factors], mu: Re<S>) -> [Sums<Re<S>>; 2] {
-    let (zero, twice) = (mu.same(0.0), mu + mu);
+    let zero = mu.same(0.0);
     let mut total = [[zero; 8]; 2];
-    let (mut before, mut pi) = (zero, mu.same(1.0));
+    let mut wave = Angular { mu, twice: mu + mu, before: zero, pi: mu.same(1.0) };
     for run in factors.chunks(RUN) {
-        let mut out = [[zero; 8]; 2];
+        let (mut odd, mut even) = ([zero; 8], [zero; 8]);
         for pair in run.chunks_exact(2) {
-            for (sums, f) in out.iter_mut().zip(pair) {
-                let t = mu.mul_add(pi, zero - before);
-                let s = twice.mul_add(pi, zero - before);
-                let tau = mu.same(f.n).mul_add(t, zero - before);
-                for k in 0..4 {
-                    sums[k] = mu.same(f.scaled[k]).mul_add(pi, sums[k]);
-                    sums[k + 4] = mu.same(f.scaled[k]).mul_add(tau, sums[k + 4]);
-                }
-                // s + t / n, which unlike (2n + 1)/n and (n + 1)/n is not biased by the rounding of a factor.
-                (before, pi) = (pi, mu.same(f.inverse).mul_add(t, s));
-            }
+            wave.add(&pair[0], &mut odd);
+            wave.add(&pair[1], &mut even);
         }
-        for (total, part) in total.iter_mut().flatten().zip(out.iter().flatten()) {
-            *total = *total + *part;
+        for k in 0..8 {
+            total[0][k] = total[0][k] + odd[k];
+            total[1][k] = total[1][k] + even[k];
         }
     }
     total
 }
 
+/// `pi_{n-1}` and `pi_n` on their way up.
+struct Angular<S: Simd> {
+    mu: Re<S>,
+    twice: Re<S>,
+    before: Re<S>,
+    pi: Re<S>,
+}
+
+impl<S: Simd> Angular<S> {
+    #[inline(always)]
+    fn add(&mut self, f: &Factors, sums: &mut Sums<Re<S>>) {
+        let Self { mu, twice, before, pi } = *self;
+        let minus = mu.same(0.0) - before;
+        let t = mu.mul_add(pi, minus);
+        let s = twice.mul_add(pi, minus);
+        let tau = mu.same(f.n).mul_add(t, minus);
+        for k in 0..4 {
+            let factor = mu.same(f.scaled[k]);
+            sums[k] = factor.mul_add(pi, sums[k]);
+            sums[k + 4] = factor.mul_add(tau, sums[k + 4]);
+        }
+        // s + t / n, which unlike (2n + 1)/n and (n + 1)/n is not biased by the rounding of a factor.
+        (self.before, self.pi) = (pi, mu.same(f.inverse).mul_add(t, s));
+    }
+}
+
 /// `S1` and `S2`, by the symmetries `pi_n(-mu) = (-1)^(n+1) pi_n(mu)` and `tau_n(-mu) = (-1)^n tau_n(mu)`.
-fn unfold(folded: &[[Sums<LaneArray>; 2]], backward: bool, place: usize) -> [Complex64; 2] {
-    let [odd, even] = &folded[place / MAX_LANES];
-    let at =
-        |sums: &Sums<LaneArray>, k: usize| Complex64::new(sums[k][place % MAX_LANES], sums[k + 1][place % MAX_LANES]);
+fn unfold([odd, even]: &[Sums<LaneArray>; 2], lane: usize, backward: bool) -> [Complex64; 2] {
+    let at = |sums: &Sums<LaneArray>, k: usize| Complex64::new(sums[k][lane], sums[k + 1][lane]);
     let sum = |k: usize| if backward { at(odd, k) - at(even, k) } else { at(odd, k) + at(even, k) };
     let (a_pi, b_pi, a_tau, b_tau) = (sum(0), sum(2), sum(4), sum(6));
     if backward { [a_pi - b_tau, b_pi - a_tau] } else { [a_pi + b_tau, a_tau + b_pi] }

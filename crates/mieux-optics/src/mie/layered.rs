@@ -17,7 +17,7 @@
 use pulp::Simd;
 
 use super::downward::GROWTH;
-use super::host::Host;
+use super::host::{Fraction, Host};
 use super::kernel::{Sink, contrast, divide};
 use super::lanes::{Cx, LaneArray, Re, Wave};
 use super::recurrence::{Descent, up};
@@ -122,7 +122,7 @@ impl<S: Simd, W: Wave<S>> Boundary<S, W> {
     #[inline(always)]
     fn rescale(&mut self) -> Re<S> {
         let factor = (self.chi[0].size() + self.chi[1].size()).recip();
-        self.chi = self.chi.map(|chi| chi.scale(factor));
+        self.chi = [self.chi[0].scale(factor), self.chi[1].scale(factor)];
         factor
     }
 
@@ -195,7 +195,35 @@ fn against<S: Simd, W: Wave<S>>(wave: [W; 2], [u, raised]: [Cx<S>; 2]) -> Cx<S> 
     wave[0].times_sub(raised, wave[1].times(u))
 }
 
+#[inline(always)]
+fn load<S: Simd>(simd: S, re: &LaneArray, im: &LaneArray) -> Cx<S> {
+    Cx { re: Re::load(simd, re), im: Re::load(simd, im) }
+}
+
 impl<S: Simd> Layer<S> {
+    #[inline(always)]
+    fn new<K: Host<S, Wave = Cx<S>>>(
+        simd: S,
+        layer: &LayerGroup,
+        below: Option<&LayerGroup>,
+        order: usize,
+        run: usize,
+    ) -> Self {
+        let m = load(simd, &layer.re, &layer.im);
+        let outer = Boundary::new::<K>(simd, Re::load(simd, &layer.k0r).times(m), layer.start[1], order, run);
+        let inner = match below {
+            None => None,
+            Some(below) => {
+                let z = Re::load(simd, &below.k0r).times(m);
+                let boundary = Boundary::new::<K>(simd, z, layer.start[0], order, run);
+                let interface = Interface::new(load(simd, &below.re, &below.im), m, boundary.inverse);
+                let across = load(simd, &layer.across[0], &layer.across[1]);
+                Some(Entry { boundary, interface, across, lost: Re::splat(simd, 1.0) })
+            }
+        };
+        Self { inner, outer, farthest: layer.farthest }
+    }
+
     /// Prepares the run of orders from `first` on.
     #[inline(always)]
     fn enter(&mut self, first: usize, count: usize) {
@@ -251,6 +279,12 @@ fn field_at_surface<S: Simd>(layers: &[Layer<S>], n: usize, i: usize, next: Re<S
     field
 }
 
+/// A coefficient from the field outside the surface.
+#[inline(always)]
+fn fraction<S: Simd, H: Host<S>>(psi: [H::Wave; 2], chi: [H::Wave; 2], field: [Cx<S>; 2]) -> Fraction<S> {
+    H::fraction(field[1].cross(field[0]), against(psi, field), against(chi, field))
+}
+
 /// The series of layered spheres; `K` says how waves are carried in the layers, `H` how in the host.
 #[inline(always)]
 pub(super) fn layered<S: Simd, H: Host<S>, K: Host<S, Wave = Cx<S>>>(
@@ -259,54 +293,45 @@ pub(super) fn layered<S: Simd, H: Host<S>, K: Host<S, Wave = Cx<S>>>(
     weights: &mut Weights,
     sink: &mut impl Sink<S>,
 ) {
-    let load = |lanes| Re::load(simd, lanes);
     let farthest = group.layers.iter().flat_map(|l| l.start).max().unwrap_or(0).max(group.start);
     let growth = (2.0 * farthest as f64 + 1.0) / group.smallest + 1.0;
     let run = ((GROWTH / growth.ln()) as usize).clamp(2, BLOCK);
 
-    let index = |re, im| Cx { re: load(re), im: load(im) };
     let mut layers: Vec<Layer<S>> = Vec::with_capacity(group.layers.len());
     for (i, layer) in group.layers.iter().enumerate() {
-        let m = index(&layer.re, &layer.im);
-        let inner = i.checked_sub(1).map(|i| {
-            let below = &group.layers[i];
-            let z = load(&below.k0r).times(m);
-            let boundary = Boundary::new::<K>(simd, z, layer.start[0], group.order, run);
-            let interface = Interface::new(index(&below.re, &below.im), m, boundary.inverse);
-            let across = index(&layer.across[0], &layer.across[1]);
-            Entry { boundary, interface, across, lost: Re::splat(simd, 1.0) }
-        });
-        let z = load(&layer.k0r).times(m);
-        let outer = Boundary::new::<K>(simd, z, layer.start[1], group.order, run);
-        layers.push(Layer { inner, outer, farthest: layer.farthest });
+        layers.push(Layer::new::<K>(simd, layer, i.checked_sub(1).map(|i| &group.layers[i]), group.order, run));
     }
     let Some(last) = group.layers.last() else { return };
-    let host = index(&group.host_re, &group.host_im);
-    let x = H::size_parameter(load(&last.k0r), host);
+    let host = load(simd, &group.host_re, &group.host_im);
+    let x = H::size_parameter(Re::load(simd, &last.k0r), host);
     let mut outside = Boundary::new::<H>(simd, x, group.start, group.order, run);
     let unit = Cx { re: Re::splat(simd, 1.0), im: Re::splat(simd, 0.0) };
-    let surface = Interface::new(index(&last.re, &last.im), host, outside.inverse.times(unit));
+    let surface = Interface::new(load(simd, &last.re, &last.im), host, outside.inverse.times(unit));
 
     let mut first = 1;
     while first <= group.order {
         let count = run.min(group.order + 1 - first);
-        layers.iter_mut().for_each(|layer| layer.enter(first, count));
+        for layer in &mut layers {
+            layer.enter(first, count);
+        }
         outside.enter(first, count);
         for (i, weight) in weights.run(first, count).iter().enumerate() {
             let (factor, next) = (Re::splat(simd, weight.factor), Re::splat(simd, weight.next));
-            layers.iter_mut().for_each(|layer| layer.rise(factor));
+            for layer in &mut layers {
+                layer.rise(factor);
+            }
             outside.rise(factor);
             if i == 0 {
-                layers.iter_mut().for_each(|layer| layer.normalise(count));
+                for layer in &mut layers {
+                    layer.normalise(count);
+                }
                 outside.normalise(count);
             }
             let mut field = field_at_surface(&layers, first + i, i, next);
             surface.cross(&mut field, next);
-            let psi = outside.psi(i);
-            let fraction = |[u, raised]: [Cx<S>; 2]| {
-                H::fraction(raised.cross(u), against(psi, [u, raised]), against(outside.chi, [u, raised]))
-            };
-            sink.take(weight, divide(fraction(field.electric), fraction(field.magnetic)));
+            let (psi, chi) = (outside.psi(i), outside.chi);
+            let (a, b) = (fraction::<S, H>(psi, chi, field.electric), fraction::<S, H>(psi, chi, field.magnetic));
+            sink.take(weight, divide(a, b));
         }
         sink.pause();
         first += count;

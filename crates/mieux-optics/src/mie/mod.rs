@@ -13,6 +13,7 @@ mod kernel;
 mod lanes;
 mod layered;
 mod layered_sphere;
+mod population;
 mod recurrence;
 mod sphere;
 mod sums;
@@ -23,6 +24,7 @@ mod weights;
 pub use amplitude::{Directions, Mueller};
 pub use coefficients::Coefficients;
 pub use layered_sphere::{Layer, LayeredSphere, scatter_layered_spheres};
+pub use population::{Population, PopulationError, PopulationScattering};
 pub use sphere::{Sphere, scatter_sphere, scatter_spheres};
 pub use wave::{PlaneWave, SphereScattering};
 

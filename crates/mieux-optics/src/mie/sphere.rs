@@ -79,6 +79,9 @@ pub fn scatter_sphere(
     Sphere::new(PlaneWave::new(wavelength_m, host)?, radius_m, particle)?.scattering()
 }
 
+/// Spheres sorted at a time: what they need stays in the cache.
+const CHUNK: usize = 2048;
+
 /// How a sphere's series is summed; spheres of one class go abreast. Small ones first, as input often comes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Class {
@@ -181,38 +184,20 @@ impl WithSimd for ScatterSpheres<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { spheres, out } = self;
-        let mut members: Vec<Member> = spheres.iter().enumerate().map(|(i, s)| Member::new(i, s)).collect();
-        if !members.is_sorted_by(|a, b| a.order(b).is_le()) {
-            members.sort_unstable_by(Member::order);
-        }
         let mut series = Series::new(simd);
-        let first = out.len();
-        out.resize(first + spheres.len(), SphereScattering::NONE);
-        let out = &mut out[first..];
-        for class in members.chunk_by(|a, b| a.class == b.class) {
-            let mut rest = class;
-            while !rest.is_empty() {
-                let sizes: [f64; MAX_LANES] = std::array::from_fn(|i| rest[i.min(rest.len() - 1)].size);
-                let count = abreast(S::F64_LANES.min(rest.len()), &sizes);
-                let (members, others) = rest.split_at(count);
-                rest = others;
-                let group = group(spheres, members);
-                let sums = if class[0].class == Class::Opaque {
-                    let mut sums = Sums::<S, true>::new(simd);
-                    series.run(Class::Opaque, &group, &mut sums);
-                    sums.finish()
-                } else {
-                    let mut sums = Sums::<S, false>::new(simd);
-                    series.run(class[0].class, &group, &mut sums);
-                    sums.finish()
-                };
-                for (lane, member) in members.iter().enumerate() {
-                    let i = member.index as usize;
-                    let Sphere { wave, k0r, .. } = &spheres[i];
-                    out[i] = wave
-                        .cross_sections(*k0r, &sums.lane(lane), member.class == Class::Opaque)
-                        .map_err(|source| SphereError { index: i, source })?;
-                }
+        let mut members: Vec<Member> = Vec::with_capacity(spheres.len().min(CHUNK));
+        for (k, spheres) in spheres.chunks(CHUNK).enumerate() {
+            members.clear();
+            members.extend(spheres.iter().enumerate().map(|(i, s)| Member::new(i, s)));
+            if !members.is_sorted_by(|a, b| a.order(b).is_le()) {
+                members.sort_unstable_by(Member::order);
+            }
+            let first = out.len();
+            out.resize(first + spheres.len(), SphereScattering::NONE);
+            for class in members.chunk_by(|a, b| a.class == b.class) {
+                series
+                    .scatter(spheres, class, &mut out[first..])
+                    .map_err(|error| SphereError { index: k * CHUNK + error.index, ..error })?;
             }
         }
         Ok(())
@@ -230,6 +215,41 @@ struct Series<S: Simd> {
 impl<S: Simd> Series<S> {
     fn new(simd: S) -> Self {
         Self { simd, weights: Weights::new(), real: Vec::new(), complex: Vec::new() }
+    }
+
+    /// Scattering by those of the spheres that are members, all of one class.
+    #[inline(always)]
+    fn scatter(
+        &mut self,
+        spheres: &[Sphere],
+        members: &[Member],
+        out: &mut [SphereScattering],
+    ) -> Result<(), SphereError> {
+        let class = members[0].class;
+        let mut rest = members;
+        while !rest.is_empty() {
+            let sizes: [f64; MAX_LANES] = std::array::from_fn(|i| rest[i.min(rest.len() - 1)].size);
+            let (members, others) = rest.split_at(abreast(S::F64_LANES.min(rest.len()), &sizes));
+            rest = others;
+            let group = group(spheres, members);
+            let sums = if class == Class::Opaque {
+                let mut sums = Sums::<S, true>::new(self.simd);
+                self.run(class, &group, &mut sums);
+                sums.finish()
+            } else {
+                let mut sums = Sums::<S, false>::new(self.simd);
+                self.run(class, &group, &mut sums);
+                sums.finish()
+            };
+            for (lane, member) in members.iter().enumerate() {
+                let index = member.index as usize;
+                let Sphere { wave, k0r, .. } = &spheres[index];
+                out[index] = wave
+                    .cross_sections(*k0r, &sums.lane(lane), class == Class::Opaque)
+                    .map_err(|source| SphereError { index, source })?;
+            }
+        }
+        Ok(())
     }
 
     #[inline(always)]
