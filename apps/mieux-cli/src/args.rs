@@ -28,6 +28,9 @@ pub enum Command {
     /// Render a picture of a material in a glass, or of a scene
     Render(RenderArgs),
     /// Compute what one particle does to light, or a table of them
+    ///
+    /// Cross sections, efficiencies and asymmetry, and with `--angles` amplitudes and Mueller matrix, of a sphere, or with
+    /// `--layer` a sphere with layers around it, in any host (Lorenz-Mie theory).
     Mie(MieArgs),
     /// Print a completion script for a shell
     Completions {

@@ -18,22 +18,23 @@ Examples:
   mieux mie --radius 80nm --wavelength 550nm --particle 0.4+2.4i --layer 100nm:1.45 -o out/coated
   mieux mie --batch spheres.csv -o results.csv
 
-With -o, DIR holds mie.csv (one row), angles.csv (with --angles, one row per angle), mie.json, and
-the plots efficiencies.svg (over size), phase-function.svg and polarisation.svg (over angle).
+Lengths need a unit: nm, um, mm, cm, m. Indices are n+ki, and k > 0 absorbs.
 
-JSON keys: size_parameter (a number; [re, im] where the host absorbs), c_ext_m2, c_sca_m2, c_abs_m2,
-q_ext, q_sca, q_abs, q_back (cross section over pi r^2 of the whole particle), g,
-scattering_definition, and with --angles the arrays angle_deg, s1, s2 (each number as [re, im]) and
-phase_per_sr, p11, p12, p21, p22, p33, p34, p43, p44 (1/sr; p11 is the phase function, which
-integrates to 1).
+With --format csv there is one row; with --angles one row per angle, below the rest as # remarks.
+With -o, DIR holds mie.csv (one row), angles.csv (with --angles, one row per angle), mie.json
+and the plots efficiencies.svg (over size), phase-function.svg and polarisation.svg.
+
+JSON keys: size_parameter (a number; [re, im] where the host absorbs), c_ext_m2, c_sca_m2,
+c_abs_m2, q_ext, q_sca, q_abs, q_back (cross section over pi r^2 of the whole particle), g,
+scattering_definition, and with --angles the arrays angle_deg, s1, s2 (each number as [re, im])
+and phase_per_sr, p11, p12, p21, p22, p33, p34, p43, p44 (1/sr; p11 is the phase function, which
+integrates to 1 over the sphere).
 
 A batch is a file of comma-separated values with the columns radius_um, wavelength_um, host_re,
-host_im, particle_re, particle_im, in any order; every other column is carried through. The columns
-c_ext_m2, c_sca_m2, c_abs_m2, q_ext, q_sca, q_abs and g are added. A row that cannot be computed ends
-the run with its line, and OUT is left as it was. Files may be larger than memory.";
+host_im, particle_re, particle_im, in any order; every other column is carried through. Added are
+c_ext_m2, c_sca_m2, c_abs_m2, q_ext, q_sca, q_abs and g. A row that cannot be computed ends the
+run with its line and column, and OUT is left as it was. Files may be larger than memory.";
 
-/// Compute what one particle does to light: cross sections, efficiencies, asymmetry, and with `--angles` amplitudes and
-/// phase function. The particle is a sphere, or with `--layer` a sphere with layers around it.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct MieArgs {

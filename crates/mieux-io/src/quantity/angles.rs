@@ -129,8 +129,8 @@ mod tests {
     fn cosines_mirror_each_other() {
         let cosines: Vec<f64> = angles("0:180:0.1").cosines().collect();
         assert_eq!((cosines[0], cosines[900], cosines[1800]), (1.0, 0.0, -1.0));
-        for i in 0..=1800 {
-            assert!((cosines[i] - (i as f64 / 10.0).to_radians().cos()).abs() < 1e-15);
+        for (i, cosine) in cosines.iter().enumerate() {
+            assert!((cosine - (i as f64 / 10.0).to_radians().cos()).abs() < 1e-15);
         }
         let mirrored = (0..=900).filter(|&i| cosines[i] == -cosines[1800 - i]).count();
         assert!(mirrored > 400, "{mirrored}");
