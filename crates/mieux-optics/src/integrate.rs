@@ -39,19 +39,26 @@ struct Panel<const K: usize> {
     integral: Integral<K>,
 }
 
-/// Integrates `f` over consecutive panels between `knots`, halving the worst panel until the error of every component
-/// is at most `tolerance * (|value| + floor)`. `Ok(None)` when that takes more than [`MAX_PANELS`] panels.
-pub(crate) fn integrate<const K: usize, E>(
+/// Integrates `f` over consecutive panels between `knots`, halving panels until the error of every component is at most
+/// `tolerance * (|value| + floor)`. `f` is given many nodes at a time and appends as many values. `Ok(None)` when that
+/// takes more than [`MAX_PANELS`] panels.
+pub(crate) fn integrate_many<const K: usize, E>(
     knots: &[f64],
     tolerance: f64,
     floor: [f64; K],
-    mut f: impl FnMut(f64) -> Result<[f64; K], E>,
+    mut f: impl FnMut(&[f64], &mut Vec<[f64; K]>) -> Result<(), E>,
 ) -> Result<Option<Integral<K>>, E> {
     let mut panels = Vec::with_capacity(2 * knots.len());
-    for pair in knots.windows(2) {
-        panels.push(Panel { from: pair[0], to: pair[1], integral: kronrod(pair[0], pair[1], &mut f)? });
-    }
+    let mut halves: Vec<(f64, f64)> = knots.windows(2).map(|pair| (pair[0], pair[1])).collect();
+    let (mut nodes, mut values) = (Vec::new(), Vec::new());
     loop {
+        nodes.clear();
+        values.clear();
+        nodes.extend(halves.iter().flat_map(|&(from, to)| kronrod_nodes(from, to)));
+        f(&nodes, &mut values)?;
+        let found = halves.iter().zip(values.chunks_exact(NODE_COUNT));
+        panels.extend(found.map(|(&(from, to), values)| Panel { from, to, integral: kronrod(to - from, values) }));
+
         let total = sum(&panels);
         let allowed: [f64; K] = std::array::from_fn(|k| tolerance * (total.value[k].abs() + floor[k]));
         if (0..K).all(|k| total.error[k] <= allowed[k]) {
@@ -62,17 +69,31 @@ pub(crate) fn integrate<const K: usize, E>(
         }
         // Halve every panel that carries more than its share: fewer passes than one at a time, same result.
         let share = 1.0 / panels.len() as f64;
-        let count = panels.len();
-        for i in 0..count {
-            let Panel { from, to, integral } = &panels[i];
-            if (0..K).any(|k| integral.error[k] > share * allowed[k]) {
-                let (from, to) = (*from, *to);
-                let middle = 0.5 * (from + to);
-                panels[i] = Panel { from, to: middle, integral: kronrod(from, middle, &mut f)? };
-                panels.push(Panel { from: middle, to, integral: kronrod(middle, to, &mut f)? });
+        halves.clear();
+        panels.retain(|panel| {
+            let wanting = (0..K).any(|k| panel.integral.error[k] > share * allowed[k]);
+            if wanting {
+                let middle = 0.5 * (panel.from + panel.to);
+                halves.extend([(panel.from, middle), (middle, panel.to)]);
             }
-        }
+            !wanting
+        });
     }
+}
+
+/// [`integrate_many`] with one node at a time.
+pub(crate) fn integrate<const K: usize, E>(
+    knots: &[f64],
+    tolerance: f64,
+    floor: [f64; K],
+    mut f: impl FnMut(f64) -> Result<[f64; K], E>,
+) -> Result<Option<Integral<K>>, E> {
+    integrate_many(knots, tolerance, floor, |nodes, values| {
+        for node in nodes {
+            values.push(f(*node)?);
+        }
+        Ok(())
+    })
 }
 
 fn sum<const K: usize>(panels: &[Panel<K>]) -> Integral<K> {
@@ -86,29 +107,31 @@ fn sum<const K: usize>(panels: &[Panel<K>]) -> Integral<K> {
     total
 }
 
-fn kronrod<const K: usize, E>(
-    from: f64,
-    to: f64,
-    f: &mut impl FnMut(f64) -> Result<[f64; K], E>,
-) -> Result<Integral<K>, E> {
+const NODE_COUNT: usize = 2 * NODES.len() - 1;
+
+/// Ascending.
+fn kronrod_nodes(from: f64, to: f64) -> [f64; NODE_COUNT] {
     let (centre, half) = (0.5 * (from + to), 0.5 * (to - from));
-    let mut fine = [0.0; K];
-    let mut coarse = [0.0; K];
-    let mut add = |value: [f64; K], i: usize| {
+    std::array::from_fn(|i| {
+        let last = NODES.len() - 1;
+        if i <= last { centre - half * NODES[i] } else { centre + half * NODES[2 * last - i] }
+    })
+}
+
+/// From values at [`kronrod_nodes`] of a panel of the given width.
+fn kronrod<const K: usize>(width: f64, values: &[[f64; K]]) -> Integral<K> {
+    let (mut fine, mut coarse) = ([0.0; K], [0.0; K]);
+    for (i, value) in values.iter().enumerate() {
+        let node = i.min(NODE_COUNT - 1 - i);
         for k in 0..K {
-            fine[k] += KRONROD[i] * value[k];
-            if i % 2 == 1 {
-                coarse[k] += GAUSS[i / 2] * value[k];
+            fine[k] += KRONROD[node] * value[k];
+            if node % 2 == 1 {
+                coarse[k] += GAUSS[node / 2] * value[k];
             }
         }
-    };
-    for (i, node) in NODES.iter().enumerate() {
-        add(f(centre + half * node)?, i);
-        if *node > 0.0 {
-            add(f(centre - half * node)?, i);
-        }
     }
-    Ok(Integral { value: fine.map(|v| v * half), error: std::array::from_fn(|k| ((fine[k] - coarse[k]) * half).abs()) })
+    let half = 0.5 * width;
+    Integral { value: fine.map(|v| v * half), error: std::array::from_fn(|k| ((fine[k] - coarse[k]) * half).abs()) }
 }
 
 #[cfg(test)]

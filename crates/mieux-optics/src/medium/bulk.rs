@@ -3,8 +3,8 @@
 use num_complex::Complex64;
 
 use super::{Inclusion, Medium, MediumError, absorption_coefficient};
-use crate::integrate::integrate;
-use crate::mie::scatter_sphere;
+use crate::integrate::integrate_many;
+use crate::mie::{MieError, PlaneWave, Sphere, SphereScattering, scatter_spheres};
 use crate::particle::sphere_volume;
 use crate::spectrum::{Sampled, SpectrumError, WavelengthGrid};
 
@@ -166,18 +166,44 @@ impl Medium {
     }
 }
 
-/// Cross sections per volume of particle, in the order scattering, absorption, reduced scattering, `Im S(0)/k^2`.
-fn per_volume(
-    inclusion: &Inclusion,
-    radius: f64,
-    wavelength: f64,
-    host: Complex64,
+/// Cross sections of spheres of one inclusion.
+struct Scatterer<'a> {
+    inclusion: &'a Inclusion,
+    wave: PlaneWave,
     particle: Complex64,
-) -> Result<[f64; 4], MediumError> {
-    let s = scatter_sphere(radius, wavelength, host, particle)
-        .map_err(|source| MediumError::Mie { inclusion: inclusion.name.clone(), source })?;
-    let volume = sphere_volume(radius);
-    Ok([s.scattering, s.absorption, s.scattering * (1.0 - s.asymmetry), s.forward.im].map(|v| v / volume))
+    spheres: Vec<Sphere>,
+    scattering: Vec<SphereScattering>,
+}
+
+impl<'a> Scatterer<'a> {
+    fn new(inclusion: &'a Inclusion, wavelength: f64, host: Complex64) -> Result<Self, MediumError> {
+        let particle = inclusion.substance.index(wavelength)?;
+        let wave = PlaneWave::new(wavelength, host).map_err(|source| mie_error(inclusion, source))?;
+        Ok(Self { inclusion, wave, particle, spheres: Vec::new(), scattering: Vec::new() })
+    }
+
+    /// Cross sections per volume of particle at every radius, in the order scattering, absorption, reduced scattering,
+    /// `Im S(0)/k^2`.
+    fn per_volume(
+        &mut self,
+        radii: impl Iterator<Item = f64> + Clone,
+    ) -> Result<impl Iterator<Item = [f64; 4]>, MediumError> {
+        let Self { inclusion, wave, particle, spheres, scattering } = self;
+        spheres.clear();
+        scattering.clear();
+        for radius in radii.clone() {
+            spheres.push(Sphere::new(*wave, radius, *particle).map_err(|source| mie_error(inclusion, source))?);
+        }
+        scatter_spheres(spheres, scattering).map_err(|error| mie_error(inclusion, error.source))?;
+        Ok(scattering.iter().zip(radii).map(|(s, radius)| {
+            let volume = sphere_volume(radius);
+            [s.scattering, s.absorption, s.scattering * (1.0 - s.asymmetry), s.forward.im].map(|v| v / volume)
+        }))
+    }
+}
+
+fn mie_error(inclusion: &Inclusion, source: MieError) -> MediumError {
+    MediumError::Mie { inclusion: inclusion.name.clone(), source }
 }
 
 fn contribution(
@@ -187,25 +213,25 @@ fn contribution(
     host_absorption: f64,
     tolerance: f64,
 ) -> Result<Contribution, MediumError> {
-    let particle = inclusion.substance.index(wavelength)?;
+    let mut scatterer = Scatterer::new(inclusion, wavelength, host)?;
     let fraction = inclusion.volume_fraction;
     let Some(knots) = inclusion.sizes.knots() else {
         let (radius, _) = inclusion.sizes.volume_measure(0.0);
-        let v = per_volume(inclusion, radius, wavelength, host, particle)?.map(|v| v * fraction);
-        return Ok(Contribution {
-            scattering: v[0],
-            absorption: v[1],
-            reduced: v[2],
-            index_shift: v[3],
-            error: [0.0; 3],
-        });
+        let mut v = [0.0; 4];
+        for found in scatterer.per_volume(std::iter::once(radius))? {
+            v = found.map(|v| v * fraction);
+        }
+        let [scattering, absorption, reduced, index_shift] = v;
+        return Ok(Contribution { scattering, absorption, reduced, index_shift, error: [0.0; 3] });
     };
     // Absorption need be no better than the host's share of it; the index no better than 1e-3 of the tolerance.
     let floor = [0.0, host_absorption / fraction, 0.0, 1e-3 / (wavelength * fraction), 0.0];
-    let integral = integrate(&knots, tolerance, floor, |u| {
-        let (radius, measure) = inclusion.sizes.volume_measure(u);
-        let v = per_volume(inclusion, radius, wavelength, host, particle)?;
-        Ok::<_, MediumError>([v[0] * measure, v[1] * measure, v[2] * measure, v[3] * measure, measure])
+    let integral = integrate_many(&knots, tolerance, floor, |nodes, values| {
+        let measures = nodes.iter().map(|u| inclusion.sizes.volume_measure(*u));
+        let found = scatterer.per_volume(measures.clone().map(|(radius, _)| radius))?;
+        let weighted = |(v, (_, m)): ([f64; 4], (f64, f64))| [v[0] * m, v[1] * m, v[2] * m, v[3] * m, m];
+        values.extend(found.zip(measures).map(weighted));
+        Ok::<_, MediumError>(())
     })?
     .ok_or_else(|| MediumError::NotConverged {
         inclusion: inclusion.name.clone(),

@@ -15,7 +15,8 @@ pub(super) struct Weight {
     pub pair: f64,
 }
 
-/// A window of [`Weights::WINDOW`] orders that moves on demand, so that memory stays small at any order.
+/// A window of orders that grows on demand up to [`Weights::WINDOW`] and then moves, so that memory stays small at any
+/// order.
 pub(super) struct Weights {
     first: usize,
     table: Vec<Weight>,
@@ -25,34 +26,27 @@ impl Weights {
     /// Most orders that can be asked for at once.
     pub const WINDOW: usize = 512;
 
-    /// Orders from 1 on, which are those of nearly every sphere.
     pub fn new() -> Self {
-        let mut weights = Self { first: 0, table: vec![Weight::default(); Self::WINDOW] };
-        weights.fill(1);
-        weights
-    }
-
-    fn fill(&mut self, first: usize) {
-        self.first = first;
-        for (i, weight) in self.table.iter_mut().enumerate() {
-            let n = (first + i) as f64;
-            let (next, factor) = (n + 1.0, 2.0 * n + 1.0);
-            let inverse = 1.0 / (n * next);
-            *weight = Weight {
-                order: n,
-                next,
-                factor,
-                neighbours: (n - 1.0) * next * next * inverse,
-                pair: factor * inverse,
-            };
-        }
+        Self { first: 1, table: Vec::new() }
     }
 
     /// The weights of `count` orders from `first` on.
     pub fn run(&mut self, first: usize, count: usize) -> &[Weight] {
         if first < self.first || first + count > self.first + Self::WINDOW {
-            self.fill(first);
+            self.first = first;
+            self.table.clear();
         }
+        let known = self.first + self.table.len();
+        self.table.extend((known..first + count).map(Weight::new));
         &self.table[first - self.first..][..count]
+    }
+}
+
+impl Weight {
+    fn new(order: usize) -> Self {
+        let n = order as f64;
+        let (next, factor) = (n + 1.0, 2.0 * n + 1.0);
+        let inverse = 1.0 / (n * next);
+        Self { order: n, next, factor, neighbours: (n - 1.0) * next * next * inverse, pair: factor * inverse }
     }
 }
