@@ -7,6 +7,8 @@ use mieux::io::quantity::{Size, parse_duration, parse_fraction};
 use mieux::io::recipe::{RecipeError, parse_setting};
 use mieux::jobs::{Optics, Render, Stop};
 
+use crate::mie::MieArgs;
+
 /// What a material looks like, from what it is made of.
 #[derive(Parser)]
 #[command(name = "mieux", version, about, arg_required_else_help = true)]
@@ -25,6 +27,11 @@ pub enum Command {
     Optics(OpticsArgs),
     /// Render a picture of a material in a glass, or of a scene
     Render(RenderArgs),
+    /// Compute what one particle does to light, or a table of them
+    ///
+    /// Cross sections, efficiencies and asymmetry, and with `--angles` amplitudes and Mueller matrix, of a sphere, or with
+    /// `--layer` a sphere with layers around it, in any host (Lorenz-Mie theory).
+    Mie(MieArgs),
     /// Print a completion script for a shell
     Completions {
         /// Shell to complete for

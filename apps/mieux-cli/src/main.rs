@@ -2,6 +2,7 @@
 
 mod args;
 mod failure;
+mod mie;
 mod progress;
 mod show;
 
@@ -32,6 +33,14 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
             let format = args.format;
             if let Report::Optics(report) = run_job(&Job::Optics(args.job()?), format == Format::Table)? {
                 show::optics(&report, format)?;
+            }
+        }
+        Command::Mie(args) => {
+            let format = args.format;
+            match run_job(&args.job(), format == Format::Table)? {
+                Report::Mie(report) => mie::show(&report, format)?,
+                Report::MieBatch(report) => mie::show_batch(&report)?,
+                _ => {}
             }
         }
         Command::Render(args) => {

@@ -23,7 +23,7 @@ pub struct Hint(ProgressBar);
 impl Hint {
     pub fn stopping(&self) {
         if !self.0.is_hidden() {
-            self.0.set_message("stopping after the tiles at hand; once more to quit at once");
+            self.0.set_message("stopping after the work at hand; once more to quit at once");
             self.0.tick();
         }
     }
@@ -75,6 +75,9 @@ impl Bars {
         let (length, template) = match stage {
             Stage::Optics => (Some(1), "optics  {bar:30} {pos}/{len} wavelengths, {eta} left"),
             Stage::Render => (None, "render  {spinner} {human_pos} samples, {per_sec}, {elapsed} so far, {msg}"),
+            Stage::Spheres => {
+                (None, "mie     {bar:30} {human_pos} of about {human_len} particles, {per_sec}, {eta} left")
+            }
             Stage::Write => (None, "writing the results"),
         };
         let bar = ProgressBar::with_draw_target(length, target(self.shown));

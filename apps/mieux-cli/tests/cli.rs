@@ -87,6 +87,72 @@ fn a_render_writes_its_files_and_is_the_same_on_any_number_of_threads() {
     }
 }
 
+const SPHERE: [&str; 9] =
+    ["mie", "--radius", "0.5um", "--wavelength", "550nm", "--host", "1.33", "--particle", "1.5+0.01i"];
+
+#[test]
+fn one_particle_prints_json_csv_and_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let json = mieux(folder.path(), &[&SPHERE[..], &["--angles", "0:180:0.5", "--format", "json"]].concat());
+    let json: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    for key in ["c_ext_m2", "c_sca_m2", "c_abs_m2", "q_ext", "q_sca", "q_abs", "q_back", "g", "size_parameter"] {
+        assert!(json[key].is_f64(), "{key}");
+    }
+    assert_eq!(json["scattering_definition"], "frisvad2007");
+    for key in ["angle_deg", "s1", "s2", "phase_per_sr", "p11", "p12", "p21", "p22", "p33", "p34", "p43", "p44"] {
+        assert_eq!(json[key].as_array().unwrap().len(), 361, "{key}");
+    }
+
+    let csv = text(&mieux(folder.path(), &[&SPHERE[..], &["--format", "csv"]].concat()).stdout);
+    assert!(csv.contains("\nc_ext_m2,c_sca_m2,c_abs_m2,q_ext,q_sca,q_abs,q_back,g,size_parameter\n1.3"), "{csv}");
+    let csv = text(&mieux(folder.path(), &[&SPHERE[..], &["--angles", "90", "--format", "csv"]].concat()).stdout);
+    assert!(csv.contains("# q_ext: 1.68") && csv.contains("\nangle_deg,phase_per_sr,p12_per_sr"), "{csv}");
+    assert_eq!(csv.lines().filter(|line| !line.starts_with('#')).count(), 2);
+    let table = text(&mieux(folder.path(), &[&SPHERE[..], &["--angles", "0:180:30"]].concat()).stdout);
+    for part in ["radius 500 nm", "1.5+0.01i", "550 nm", "µm²", "asymmetry g", "1/sr", "120"] {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+    assert!(!table.contains("absorbs"), "{table}");
+    let table =
+        text(&mieux(folder.path(), &[&SPHERE[..5], &["--particle", "1.5", "--host", "1.3+1e-4i"]].concat()).stdout);
+    assert!(table.contains("The host absorbs") && table.contains("frisvad2007"), "{table}");
+    assert!(listing(folder.path()).is_empty());
+
+    let written = mieux(folder.path(), &[&SPHERE[..], &["--angles", "0:180:1", "-o", "out"]].concat());
+    assert!(written.status.success(), "{}", text(&written.stderr));
+    let files = ["angles.csv", "efficiencies.svg", "mie.csv", "mie.json", "phase-function.svg", "polarisation.svg"];
+    assert_eq!(listing(&folder.path().join("out")), files);
+}
+
+#[test]
+fn a_table_of_spheres_goes_through() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows =
+        "# made up\nid,particle_re,particle_im,host_re,host_im,wavelength_um,radius_um\na,1.5,0.01,1.33,0,0.55,0.5\n";
+    std::fs::write(folder.path().join("in.csv"), rows).unwrap();
+    let output = mieux(folder.path(), &["mie", "--batch", "in.csv", "-o", "out.csv", "--threads", "2"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("1 particles in") && text(&output.stdout).contains("out.csv"));
+    let table = std::fs::read_to_string(folder.path().join("out.csv")).unwrap();
+    let one = mieux(folder.path(), &[&SPHERE[..], &["--format", "json"]].concat());
+    let one: serde_json::Value = serde_json::from_slice(&one.stdout).unwrap();
+    let last: Vec<&str> = table.lines().nth(1).unwrap().split(',').collect();
+    assert_eq!(&last[..7], ["a", "1.5", "0.01", "1.33", "0", "0.55", "0.5"]);
+    for (i, key) in ["c_ext_m2", "c_sca_m2", "c_abs_m2", "q_ext", "q_sca", "q_abs", "g"].iter().enumerate() {
+        let (found, expected): (f64, f64) = (last[7 + i].parse().unwrap(), one[key].as_f64().unwrap());
+        assert!((found / expected - 1.0).abs() < 1e-12, "{key}: {found} {expected}");
+    }
+}
+
+#[test]
+fn completions_know_the_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    for shell in ["bash", "zsh", "fish"] {
+        let script = text(&mieux(folder.path(), &["completions", shell]).stdout);
+        assert!(script.contains("mishchenko-yang2018") && script.contains("batch"), "{shell}");
+    }
+}
+
 /// Every kind of bad input: one clear error, the right exit code, nothing written.
 #[test]
 fn bad_input_gets_one_clear_error_and_writes_nothing() {
@@ -107,6 +173,47 @@ fn bad_input_gets_one_clear_error_and_writes_nothing() {
             )),
         ),
         ("syntax.toml", "model = \"milk\n".to_string()),
+    ];
+    let tables = [
+        ("ok.csv", "radius_um,wavelength_um,host_re,host_im,particle_re,particle_im\n0.5,0.55,1.33,0,1.5,0\n"),
+        ("radius.csv", "radius_um,wavelength_um,host_re,host_im,particle_re,particle_im\n-5,0.55,1.33,0,1.5,0\n"),
+        ("letter.csv", "radius_um,wavelength_um,host_re,host_im,particle_re,particle_im\n0.5,0.55,1.33,o,1.5,0\n"),
+        ("column.csv", "radius_um,wavelength_nm,host_re,host_im,particle_re,particle_im\n5,0.55,1.33,0,1.5,0\n"),
+        ("again.csv", "radius_um,wavelength_um,host_re,host_im,particle_re,particle_im,g\n5,0.55,1.33,0,1.5,0,1\n"),
+        ("empty.csv", ""),
+    ];
+    let light: &[&str] = &["--wavelength", "550nm", "--particle", "1.5"];
+    let mie = |rest: &[&'static str]| [&["mie"], rest, light].concat();
+    let batch = |input: &'static str| vec!["mie", "--batch", input, "-o", "out.csv"];
+    let mie_cases: &[(Vec<&str>, &[&str])] = &[
+        (mie(&["--radius", "5"]), &["--radius", "`5` has no unit"]),
+        (mie(&["--radius", "-5um"]), &["--radius", "`-5um` is out of range"]),
+        (mie(&["--radius", "0um"]), &["--radius", "more than zero"]),
+        (mie(&["--radius", "1km"]), &["size parameter", "outside"]),
+        (mie(&["--radius", "1um", "--host", "1.3-1i"]), &["--host", "absorbs"]),
+        (mie(&["--radius", "1mm", "--host", "1.3+1i", "-o", "out"]), &["the host absorbs"]),
+        (mie(&["--radius", "1um", "--host", "water"]), &["--host", "`water`"]),
+        (mie(&["--radius", "1um", "--layer", "1.2um"]), &["--layer", "`600nm:1.45`"]),
+        (mie(&["--radius", "1um", "--layer", "2um:1.4", "--layer", "1.5um:1.3"]), &["layer 2", "1.5 µm", "2 µm"]),
+        (mie(&["--radius", "1um", "--layer", "900nm:1.4", "-o", "out"]), &["layer 1", "900 nm", "1 µm"]),
+        (mie(&["--radius", "1um", "--angles", "0:190:1"]), &["--angles", "between 0", "180"]),
+        (mie(&["--radius", "1um", "--angles", "-1:90:1"]), &["--angles", "between 0"]),
+        (mie(&["--radius", "1um", "--angles", "0:180:0"]), &["--angles", "step"]),
+        (mie(&["--radius", "1um", "--angles", "0:180:1e-9"]), &["--angles", "10 million"]),
+        (mie(&["--radius", "1um", "--angles", "0:180"]), &["--angles", "`0:180:0.5`"]),
+        (mie(&["--radius", "1um", "--definition", "bohren"]), &["--definition", "frisvad2007", "mishchenko-yang2018"]),
+        (mie(&["--radius", "1um", "--threads", "2"]), &["--batch"]),
+        (mie(&["--radius", "1um", "-o", "typo.toml"]), &["`typo.toml` is not a folder"]),
+        (vec!["mie", "--radius", "1um"], &["--wavelength", "--particle"]),
+        (vec!["mie", "--batch", "ok.csv"], &["--output"]),
+        (vec!["mie", "--batch", "ok.csv", "-o", "out.csv", "--radius", "1um"], &["cannot be used with"]),
+        (vec!["mie", "--batch", "ok.csv", "-o", "no/out.csv"], &["no/out.csv", "cannot be written"]),
+        (batch("nowhere.csv"), &["nowhere.csv", "cannot be read"]),
+        (batch("radius.csv"), &["radius.csv, line 2", "`radius_um`", "`-5`"]),
+        (batch("letter.csv"), &["letter.csv, line 2", "`host_im`", "`o` is not a number"]),
+        (batch("column.csv"), &["no column `wavelength_um`", "there is a column `wavelength_nm`;", "particle_im"]),
+        (batch("again.csv"), &["`g` already"]),
+        (batch("empty.csv"), &["empty.csv", "column names"]),
     ];
     let cases: &[(&[&str], &[&str])] = &[
         (&["render", "whle-milk"], &["no material or scene called `whle-milk`", "did you mean `whole-milk`"]),
@@ -133,9 +240,9 @@ fn bad_input_gets_one_clear_error_and_writes_nothing() {
         (&["optics", "whole-milk", "-o", "typo.toml"], &["`typo.toml` is not a folder"]),
         (&["render", "water", "--resume"], &["nothing to go on with", "--resume"]),
     ];
-    for (words, parts) in cases {
+    for (words, parts) in cases.iter().copied().chain(mie_cases.iter().map(|(w, p)| (&w[..], *p))) {
         let folder = tempfile::tempdir().unwrap();
-        for (name, text) in &recipes {
+        for (name, text) in recipes.iter().map(|(n, t)| (n, t.as_str())).chain(tables.iter().map(|(n, t)| (n, *t))) {
             std::fs::write(folder.path().join(name), text).unwrap();
         }
         let before = listing(folder.path());
@@ -143,7 +250,7 @@ fn bad_input_gets_one_clear_error_and_writes_nothing() {
         let error = flat(&output);
         assert!(matches!(output.status.code(), Some(1 | 2)), "{words:?}: {:?}", output.status);
         assert!(output.stdout.is_empty(), "{words:?}: {}", text(&output.stdout));
-        for part in *parts {
+        for part in parts {
             assert!(error.contains(part), "{words:?}: wanted {part:?} in {error}");
         }
         assert!(!error.contains("panicked"), "{error}");

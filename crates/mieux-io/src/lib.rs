@@ -9,6 +9,7 @@ pub mod output;
 pub mod plot;
 pub mod quantity;
 pub mod recipe;
+pub mod rows;
 pub mod scene;
 pub mod table;
 mod text_error;

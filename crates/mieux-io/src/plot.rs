@@ -1,11 +1,14 @@
 //! Figures: panels of lines with titles, units and legends, as SVG or PNG.
 //!
 //! A [`Panel`] holds [`Series`] of points on a linear or logarithmic axis, a [`Figure`] holds panels in columns.
-//! [`optics_figure`] is the figure of a material's optical properties.
+//! A [`PolarPanel`] shows a value over the angle from the direction of light. [`optics_figure`] is the figure of a
+//! material's optical properties; [`efficiency_figure`], [`phase_figure`] and [`polarisation_figure`] show one particle.
 
 mod axis;
 mod legend;
+mod mie;
 mod optics;
+mod polar;
 
 use kuva::plot::line::LineStyle;
 use kuva::plot::{LegendPosition, LinePlot, ScatterPlot};
@@ -14,13 +17,18 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 
 use axis::Axis;
+pub use mie::{SizePlot, efficiency_figure, phase_figure, polarisation_figure};
 pub use optics::{OpticsPlot, optics_figure, optics_svg};
+pub use polar::PolarPanel;
 
 /// Colours that most people tell apart (Okabe and Ito), and dashes for those who do not.
 const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#333333"];
 
 /// Up to so many points, each gets a marker.
 const MARKED_POINTS: usize = 40;
+
+/// Width of a panel with its labels, in units of the drawing.
+const CELL_WIDTH: f64 = 460.0;
 
 /// What can be wrong with a figure.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -58,6 +66,8 @@ pub enum Scale {
     Linear,
     /// Evenly, over these two values at least.
     LinearOver(f64, f64),
+    /// Evenly from 0 to 180 degrees, a tick every 30.
+    ScatteringAngle,
     /// By factors. Points that are not more than 0 are left out; with none left, the axis is linear.
     Log,
 }
@@ -244,7 +254,23 @@ fn literal(text: &str) -> String {
 pub struct Figure {
     title: String,
     columns: usize,
-    panels: Vec<Panel>,
+    panels: Vec<Pane>,
+}
+
+/// Anything that takes a place in a figure.
+#[derive(Debug, Clone, PartialEq)]
+enum Pane {
+    Lines(Panel),
+    Polar(PolarPanel),
+}
+
+impl Pane {
+    fn drawn(&self) -> Result<(Vec<Plot>, Layout), PlotError> {
+        match self {
+            Self::Lines(panel) => panel.drawn(!panel.title.is_empty()),
+            Self::Polar(panel) => panel.drawn(),
+        }
+    }
 }
 
 impl Figure {
@@ -255,7 +281,13 @@ impl Figure {
 
     /// Adds a panel.
     pub fn with_panel(mut self, panel: Panel) -> Self {
-        self.panels.push(panel);
+        self.panels.push(Pane::Lines(panel));
+        self
+    }
+
+    /// Adds a polar panel.
+    pub fn with_polar_panel(mut self, panel: PolarPanel) -> Self {
+        self.panels.push(Pane::Polar(panel));
         self
     }
 
@@ -290,23 +322,32 @@ impl Figure {
         let rows = self.panels.len().div_ceil(columns);
         let (mut plots, mut layouts) = (Vec::new(), Vec::new());
         for panel in &self.panels {
-            let (panel_plots, layout) = panel.drawn(!panel.title.is_empty())?;
+            let (panel_plots, layout) = panel.drawn()?;
             plots.push(panel_plots);
             layouts.push(layout);
         }
+        // A circle wants a square.
+        let height = if self.panels.iter().any(|p| matches!(p, Pane::Polar(_))) { 440.0 } else { 320.0 };
         let structure = (0..self.panels.len()).map(|i| vec![i]).collect();
         let mut drawing = Drawing::new(rows, columns)
             .with_structure(structure)
             .with_plots(plots)
             .with_layouts(layouts)
-            .with_cell_size(460.0, 320.0)
-            .with_title_size(18)
+            .with_cell_size(CELL_WIDTH, height)
+            .with_title_size(title_size(&self.title, columns))
             .with_padding(14.0);
         if !self.title.is_empty() {
             drawing = drawing.with_title(literal(&self.title));
         }
         Ok(drawing.render())
     }
+}
+
+/// 18, or less where the title would not fit above so many columns.
+fn title_size(title: &str, columns: usize) -> u32 {
+    // A letter is some 0.6 of the size wide.
+    let fits = columns as f64 * CELL_WIDTH / (0.6 * title.chars().count().max(1) as f64);
+    fits.clamp(9.0, 18.0) as u32
 }
 
 #[cfg(test)]

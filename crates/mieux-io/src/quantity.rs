@@ -3,7 +3,9 @@
 //! Parsing asks for a unit wherever one could be mistaken, and shifts the decimal exponent of the text rather than
 //! multiplying, so that "550nm" is the same number as `550e-9`.
 
+mod angles;
 mod format;
+mod index;
 
 use std::fmt;
 use std::str::FromStr;
@@ -11,7 +13,9 @@ use std::str::FromStr;
 use mieux_optics::Complex64;
 use mieux_optics::spectrum::{SpectrumError, WavelengthGrid};
 
-pub use format::{format_complex_index, format_duration, format_length, format_per_length, significant};
+pub use angles::Angles;
+pub use format::{format_area, format_complex_index, format_duration, format_length, format_per_length, significant};
+pub use index::RefractiveIndex;
 
 /// Units of length and the power of ten that makes metres of them.
 const LENGTH_UNITS: [(&str, i32); 9] = [

@@ -80,6 +80,11 @@ impl Table {
         Ok(self)
     }
 
+    /// The same table without its title.
+    pub fn without_title(self) -> Self {
+        Self { title: String::new(), ..self }
+    }
+
     /// The title.
     pub fn title(&self) -> &str {
         &self.title
@@ -156,7 +161,7 @@ fn comment(out: &mut impl Write, text: &str) -> io::Result<()> {
 }
 
 /// The shortest decimal number that reads back as `value`; nothing for NaN.
-fn exact(value: f64) -> String {
+pub fn exact(value: f64) -> String {
     match value.abs() {
         _ if value.is_nan() => String::new(),
         0.0 => "0".to_owned(),

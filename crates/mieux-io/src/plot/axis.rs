@@ -33,6 +33,9 @@ impl Axis {
         if log {
             return Self::log(low, high);
         }
+        if scale == Scale::ScatteringAngle {
+            return Self { low: 0.0, high: 180.0, step: 30.0, log: false, style: TickStyle::Decimals(0) };
+        }
         let (low, high) = over(low, high, scale);
         let (low, high) = opened(low, high, 0.02);
         let step = round_step((high - low) / 6.0);

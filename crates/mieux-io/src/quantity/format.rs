@@ -17,6 +17,18 @@ pub fn format_per_length(per_metre: f64) -> String {
     format!("{} /m", significant(per_metre, 4))
 }
 
+/// An area in m^2 with four significant digits and a fitting unit: "1.234 µm²", "-5e-4 nm²".
+pub fn format_area(square_metres: f64) -> String {
+    let (unit, size) = match square_metres.abs() {
+        0.0 => ("m²", 1.0),
+        a if a < 0.99995e-14 => ("nm²", 1e-18),
+        a if a < 0.99995e-8 => ("µm²", 1e-12),
+        a if a < 0.99995e-2 => ("mm²", 1e-6),
+        _ => ("m²", 1.0),
+    };
+    format!("{} {unit}", significant(square_metres / size, 4))
+}
+
 /// Seconds for a person: "850 ms", "12.3 s", "2 min 5 s", "1 h 2 min", "3 d 4 h"; whole units from a minute on.
 pub fn format_duration(seconds: f64) -> String {
     if !seconds.is_finite() || seconds < 0.0 {

@@ -140,6 +140,21 @@ fn lengths_read_well() {
 }
 
 #[test]
+fn areas_read_well() {
+    for (square_metres, text) in [
+        (1.23456e-12, "1.235 µm²"),
+        (2e-14, "0.02 µm²"),
+        (-7.5e-16, "-750 nm²"),
+        (5e-28, "5e-10 nm²"),
+        (3e-7, "0.3 mm²"),
+        (0.5, "0.5 m²"),
+        (0.0, "0 m²"),
+    ] {
+        assert_eq!(format_area(square_metres), text);
+    }
+}
+
+#[test]
 fn coefficients_and_times_read_well() {
     for (value, text) in [
         (57_837.2, "57840 /m"),

@@ -4,10 +4,12 @@ use mieux_io::checkpoint::CheckpointError;
 use mieux_io::image::ImageError;
 use mieux_io::output::OutputError;
 use mieux_io::plot::PlotError;
-use mieux_io::quantity::QuantityError;
+use mieux_io::quantity::{Length, QuantityError};
 use mieux_io::recipe::RecipeError;
+use mieux_io::rows::RowsError;
 use mieux_io::table::TableError;
 use mieux_optics::medium::MediumError;
+use mieux_optics::mie::MieError;
 use mieux_optics::spectrum::SpectrumError;
 use mieux_render::render::RenderError;
 
@@ -25,6 +27,24 @@ pub enum JobError {
         /// What is wrong.
         source: MediumError,
     },
+    /// A particle that cannot be computed.
+    #[error(transparent)]
+    Mie(#[from] MieError),
+    /// A layer that does not lie around what is inside it.
+    #[error(
+        "layer {number} reaches to {radius}, what lies inside it to {below}; give layers from the inside outward, each by its outer radius"
+    )]
+    Layers {
+        /// Number of the layer, from 1.
+        number: usize,
+        /// Its outer radius.
+        radius: Length,
+        /// The outer radius of the one below.
+        below: Length,
+    },
+    /// A table too long for memory.
+    #[error(transparent)]
+    Rows(#[from] RowsError),
     /// A setting that none of the materials of a scene has.
     #[error("no material of the scene {scene} has an input `{input}`")]
     NoSuchInput {
@@ -95,6 +115,7 @@ impl JobError {
             Self::Recipe(RecipeError::Unknown { help, .. } | RecipeError::NoSuchInput { help, .. }) => {
                 Some(help.clone())
             }
+            Self::Rows(RowsError::Missing { help, .. }) => Some(help.clone()),
             Self::Recipe(RecipeError::Text(error)) => error.help.clone(),
             Self::Checkpoint(CheckpointError::Read { .. }) => Some("leave out `--resume` to begin anew".into()),
             Self::Checkpoint(_) => Some("leave out `--resume` to begin anew, or give another folder with `-o`".into()),

@@ -9,6 +9,8 @@ pub enum Stage {
     Optics,
     /// Following light; counted in samples.
     Render,
+    /// Computing particles; counted in particles, their total being estimated from the size of a file.
+    Spheres,
     /// Writing files; counted in files.
     Write,
 }

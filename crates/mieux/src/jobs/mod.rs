@@ -4,6 +4,7 @@
 
 mod error;
 mod event;
+mod mie;
 mod optics;
 mod render;
 mod sheet;
@@ -12,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 pub use error::JobError;
 pub use event::{Context, Event, Stage};
+pub use mie::{Coat, Definition, Directional, Mie, MieBatch, MieBatchReport, MieReport, MieSheet, Particle};
 pub use optics::{Optics, OpticsReport};
 pub use render::{Render, RenderReport, Stop};
 pub use sheet::{Made, OpticsSheet};
@@ -24,6 +26,10 @@ pub enum Job {
     Optics(Optics),
     /// A picture.
     Render(Render),
+    /// Light and one particle.
+    Mie(Mie),
+    /// Light and a table of spheres.
+    MieBatch(MieBatch),
 }
 
 /// What a job leaves besides its files.
@@ -33,6 +39,10 @@ pub enum Report {
     Optics(Box<OpticsReport>),
     /// Of [`Job::Render`].
     Render(Box<RenderReport>),
+    /// Of [`Job::Mie`].
+    Mie(Box<MieReport>),
+    /// Of [`Job::MieBatch`].
+    MieBatch(Box<MieBatchReport>),
 }
 
 impl Job {
@@ -44,6 +54,8 @@ impl Job {
         match self {
             Self::Optics(job) => job.run(context).map(|report| Report::Optics(Box::new(report))),
             Self::Render(job) => job.run(context).map(|report| Report::Render(Box::new(report))),
+            Self::Mie(job) => job.run(context).map(|report| Report::Mie(Box::new(report))),
+            Self::MieBatch(job) => job.run(context).map(|report| Report::MieBatch(Box::new(report))),
         }
     }
 }
