@@ -24,7 +24,7 @@ const KRONROD: [f64; 8] = [
 const GAUSS: [f64; 4] = [0.1294849661688697, 0.27970539148927664, 0.3818300505051189, 0.4179591836734694];
 
 /// Panels beyond which the integral is given up.
-const MAX_PANELS: usize = 4000;
+const MAX_PANELS: usize = 20_000;
 
 /// The integrals, and for each the error the rule believes it has made (usually a large overestimate).
 #[derive(Debug, Clone, Copy)]
@@ -40,12 +40,12 @@ struct Panel<const K: usize> {
 }
 
 /// Integrates `f` over consecutive panels between `knots`, halving panels until the error of every component is at most
-/// `tolerance * (|value| + floor)`. `f` is given many nodes at a time and appends as many values. `Ok(None)` when that
-/// takes more than [`MAX_PANELS`] panels.
+/// `tolerance * (|value| + floor)`, where `floor` is given the integrals found so far. `f` is given many nodes at a time and
+/// appends as many values. `Ok(None)` when that takes more than [`MAX_PANELS`] panels.
 pub(crate) fn integrate_many<const K: usize, E>(
     knots: &[f64],
     tolerance: f64,
-    floor: [f64; K],
+    floor: impl Fn(&[f64; K]) -> [f64; K],
     mut f: impl FnMut(&[f64], &mut Vec<[f64; K]>) -> Result<(), E>,
 ) -> Result<Option<Integral<K>>, E> {
     let mut panels = Vec::with_capacity(2 * knots.len());
@@ -60,6 +60,7 @@ pub(crate) fn integrate_many<const K: usize, E>(
         panels.extend(found.map(|(&(from, to), values)| Panel { from, to, integral: kronrod(to - from, values) }));
 
         let total = sum(&panels);
+        let floor = floor(&total.value);
         let allowed: [f64; K] = std::array::from_fn(|k| tolerance * (total.value[k].abs() + floor[k]));
         if (0..K).all(|k| total.error[k] <= allowed[k]) {
             return Ok(Some(total));
@@ -81,19 +82,24 @@ pub(crate) fn integrate_many<const K: usize, E>(
     }
 }
 
-/// [`integrate_many`] with one node at a time.
+/// [`integrate_many`] with one node at a time and constant floors.
 pub(crate) fn integrate<const K: usize, E>(
     knots: &[f64],
     tolerance: f64,
     floor: [f64; K],
     mut f: impl FnMut(f64) -> Result<[f64; K], E>,
 ) -> Result<Option<Integral<K>>, E> {
-    integrate_many(knots, tolerance, floor, |nodes, values| {
-        for node in nodes {
-            values.push(f(*node)?);
-        }
-        Ok(())
-    })
+    integrate_many(
+        knots,
+        tolerance,
+        |_| floor,
+        |nodes, values| {
+            for node in nodes {
+                values.push(f(*node)?);
+            }
+            Ok(())
+        },
+    )
 }
 
 fn sum<const K: usize>(panels: &[Panel<K>]) -> Integral<K> {

@@ -1,24 +1,11 @@
 //! Published and arbitrary-precision values for single spheres, read in place from the shared reference tables.
 
+mod shared;
+
 use std::f64::consts::PI;
-use std::path::PathBuf;
 
 use mieux_optics::Complex64;
 use mieux_optics::mie::scatter_sphere;
-
-/// A shared reference file; `None` when there is none and nobody insists (`MIEUX_REQUIRE_SHARED=1`).
-fn shared(path: &str) -> Option<String> {
-    let folder = std::env::var("MIEUX_SHARED")
-        .map_or_else(|_| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
-    let file = folder.join("data").join(path);
-    match std::fs::read_to_string(&file) {
-        Ok(text) => Some(text),
-        Err(error) if std::env::var("MIEUX_REQUIRE_SHARED").is_ok_and(|v| v == "1") => {
-            panic!("{}: {error}", file.display())
-        }
-        Err(_) => None,
-    }
-}
 
 fn complex(text: &str) -> Option<Complex64> {
     let text = text.trim().strip_suffix('i')?;
@@ -31,7 +18,7 @@ fn complex(text: &str) -> Option<Complex64> {
 
 #[test]
 fn spheres_agree_with_the_reference_table() {
-    let Some(text) = shared("mie/reference_cases.csv") else { return };
+    let Some(text) = shared::text("mie/reference_cases.csv") else { return };
     let (mut spheres, mut hosts) = (0, 0);
     for line in text.lines().skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
