@@ -88,7 +88,7 @@ fn layers(sizes: &[f64], count: usize) -> (usize, f64) {
 }
 
 /// How many spheres were computed, and a sum that shows what came out.
-type Work = dyn Fn() -> (usize, f64);
+type Work<'a> = dyn Fn() -> (usize, f64) + 'a;
 
 fn time(name: &str, work: &Work) {
     let (mut best, mut result) = (f64::INFINITY, (0, 0.0));
