@@ -34,31 +34,47 @@ fn vacuum() -> PlaneWave {
     PlaneWave::new(2.0 * PI, c(1.0, 0.0)).expect("within range")
 }
 
-/// Sum of the efficiencies, by which contenders are seen to do the same.
-fn checksum(radii: &[f64], extinction: &[f64], scattering: &[f64]) -> f64 {
-    let sums = extinction.iter().zip(scattering).enumerate();
-    sums.map(|(i, (e, s))| (e + s) / (PI * radii[i % radii.len()].powi(2))).sum()
+/// What a workload makes, with what its checksum needs.
+enum Made<'a> {
+    /// Radii, extinction and scattering cross sections.
+    CrossSections(&'a [f64], Vec<f64>, Vec<f64>),
+    /// The sum of squared moduli of amplitudes, and of how many spheres.
+    Amplitudes(usize, f64),
 }
 
-fn population(radii: &[f64], wavelengths: &[f64], host: &[Complex64], particle: &[Complex64]) -> (usize, f64) {
+impl Made<'_> {
+    /// Number of spheres, and the sum of their efficiencies or of their squared amplitudes, by which contenders are seen
+    /// to do the same.
+    fn checksum(&self) -> (usize, f64) {
+        match self {
+            Self::CrossSections(radii, extinction, scattering) => {
+                let both = extinction.iter().zip(scattering).enumerate();
+                (extinction.len(), both.map(|(i, (e, s))| (e + s) / (PI * radii[i % radii.len()].powi(2))).sum())
+            }
+            Self::Amplitudes(spheres, sum) => (*spheres, *sum),
+        }
+    }
+}
+
+fn population<'a>(radii: &'a [f64], wavelengths: &[f64], host: &[Complex64], particle: &[Complex64]) -> Made<'a> {
     let definition = ScatteringDefinition::default();
     let all = Population { radii, wavelengths, host, particle, definition }.scatter().expect("computed");
-    (all.extinction.len(), checksum(radii, &all.extinction, &all.scattering))
+    Made::CrossSections(radii, all.extinction, all.scattering)
 }
 
-fn spheres(sizes: &[f64]) -> (usize, f64) {
+fn spheres(sizes: &[f64]) -> Made<'_> {
     population(sizes, &[2.0 * PI], &[c(1.0, 0.0)], &[c(1.5, 0.01)])
 }
 
 /// Radii by wavelengths, in a host with imaginary index `host_im`.
-fn table(radii: &[f64], host_im: f64) -> (usize, f64) {
+fn table(radii: &[f64], host_im: f64) -> Made<'_> {
     let nm: [f64; 17] = std::array::from_fn(|i| 380.0 + 25.0 * i as f64);
     let host = nm.map(|nm| c(1.32 + 3100.0 / (nm * nm), host_im));
     let particle = nm.map(|nm| c(1.45 + 4000.0 / (nm * nm), 1e-6));
     population(radii, &nm.map(|nm| nm * 1e-9), &host, &particle)
 }
 
-fn amplitudes(sizes: &[f64]) -> (usize, f64) {
+fn amplitudes(sizes: &[f64]) -> Made<'_> {
     let (wave, index) = (vacuum(), c(1.5, 0.01));
     let directions = Directions::uniform(1801);
     let mut sum = 0.0;
@@ -67,10 +83,10 @@ fn amplitudes(sizes: &[f64]) -> (usize, f64) {
         let amplitudes = coefficients.amplitudes(&directions).expect("computed");
         sum += amplitudes.iter().flatten().map(|s| s.norm_sqr()).sum::<f64>();
     }
-    (sizes.len(), sum)
+    Made::Amplitudes(sizes.len(), sum)
 }
 
-fn layers(sizes: &[f64], count: usize) -> (usize, f64) {
+fn layers(sizes: &[f64], count: usize) -> Made<'_> {
     let wave = vacuum();
     let layer = |x: f64, i: usize| Layer {
         radius: x * (i + 1) as f64 / count as f64,
@@ -84,20 +100,20 @@ fn layers(sizes: &[f64], count: usize) -> (usize, f64) {
     let mut out = Vec::new();
     scatter_layered_spheres(&spheres, &mut out).expect("computed");
     let (extinction, scattering): (Vec<f64>, Vec<f64>) = out.iter().map(|s| (s.extinction, s.scattering)).unzip();
-    (spheres.len(), checksum(sizes, &extinction, &scattering))
+    Made::CrossSections(sizes, extinction, scattering)
 }
 
-/// How many spheres were computed, and a sum that shows what came out.
-type Work<'a> = dyn Fn() -> (usize, f64) + 'a;
+type Work<'a> = dyn Fn() -> Made<'a> + 'a;
 
 fn time(name: &str, work: &Work) {
-    let (mut best, mut result) = (f64::INFINITY, (0, 0.0));
+    let (mut best, mut made) = (f64::INFINITY, None);
     for _ in 0..9 {
+        drop(made.take());
         let start = cpu_seconds();
-        result = black_box(work());
+        made = Some(black_box(work()));
         best = best.min(cpu_seconds() - start);
     }
-    let (spheres, checksum) = result;
+    let (spheres, checksum) = made.map_or((0, 0.0), |made| made.checksum());
     println!(
         "{{\"workload\": \"{name}\", \"spheres\": {spheres}, \"cpu_seconds\": {best:e}, \"checksum\": {checksum:.12e}}}"
     );

@@ -106,7 +106,7 @@ impl Chain<'_> {
         let total = |z: &[Complex64; 2]| z[0] * d.x + z[1] * d.y;
         let x = host * sphere.k0r;
         let factor = if self.scaled { (-2.0 * Complex64::I * x).exp() } else { Complex64::ONE };
-        let area = wave.wavelength().powi(2) / (2.0 * PI * host.norm_sqr());
+        let area = wave.area();
         // Relative changes of the area.
         let grown = 2.0 * d.wavelength / wave.wavelength() - 2.0 * (host.conj() * d.host).re / host.norm_sqr();
 

@@ -9,7 +9,7 @@ use super::host::{Absorbing, Lossless, Opaque};
 use super::kernel::Sink;
 use super::lanes::{LaneArray, MAX_LANES};
 use super::layered::{LayerGroup, LayeredGroup, layered};
-use super::recurrence::{abreast, series_order, start_order};
+use super::recurrence::{abreast, series_order, start_order, top_order};
 use super::sums::{GroupSums, Sums};
 use super::wave::{PlaneWave, SphereScattering, check_index, check_length, check_size_parameters};
 use super::weights::Weights;
@@ -164,7 +164,7 @@ fn starts(spheres: &[&LayeredSphere], order: usize, z: impl Fn(&LayeredSphere) -
     let (mut start, mut smallest) = (0, f64::INFINITY);
     for z in spheres.iter().map(|s| z(s)) {
         let modulus = z.norm();
-        let top = series_order(modulus).max(order) + 16;
+        let top = top_order(modulus, order);
         start = start_order(z, order, top).max(start);
         smallest = modulus.min(smallest);
     }

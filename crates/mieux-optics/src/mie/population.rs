@@ -116,7 +116,6 @@ impl Population<'_> {
             PopulationError::Sphere { radius_m: self.radii[r], wavelength_m: self.wavelengths[w], source }
         };
         let Scratch { spheres, out } = scratch;
-        spheres.clear();
         out.clear();
         let mut i = first;
         while i < first + count {
@@ -124,12 +123,15 @@ impl Population<'_> {
             let wave = PlaneWave::new(self.wavelengths[w], self.host[w]).map_err(|e| error(i, e))?;
             let wave = wave.with_definition(self.definition);
             let last = self.radii.len().min(r + first + count - i);
-            for radius in &self.radii[r..last] {
-                spheres.push(Sphere::new(wave, *radius, self.particle[w]).map_err(|e| error(i, e))?);
-                i += 1;
+            // One wavelength at a time: radii often come in order.
+            spheres.clear();
+            for (k, radius) in self.radii[r..last].iter().enumerate() {
+                spheres.push(Sphere::new(wave, *radius, self.particle[w]).map_err(|e| error(i + k, e))?);
             }
+            scatter_spheres(spheres, out).map_err(|e| error(i + e.index, e.source))?;
+            i += spheres.len();
         }
-        scatter_spheres(spheres, out).map_err(|e| error(first + e.index, e.source))
+        Ok(())
     }
 }
 

@@ -11,7 +11,7 @@ use super::elementary::NARROW;
 use super::host::{Absorbing, Lossless, Opaque};
 use super::kernel::{Group, Sink};
 use super::lanes::{Cx, MAX_LANES, Re};
-use super::recurrence::{abreast, series_order, start_order};
+use super::recurrence::{abreast, series_order, start_order, top_order};
 use super::sums::Sums;
 use super::upward::upward;
 use super::wave::{PlaneWave, SphereScattering, check_index, check_length, check_size_parameters};
@@ -123,7 +123,7 @@ impl Member {
         let square = x.norm_sqr();
         // Contrast above 2 %: weaker ones lose digits upward.
         let dense = y.norm_sqr() >= square && (y - x).norm_sqr() > 4e-4 * square;
-        let up = x.re > 1.5 && y.im < NARROW && dense;
+        let up = x.re > 1.0 && y.im < NARROW && dense;
         let class = match (x.im, up) {
             (0.0, true) => Class::LosslessUp,
             (0.0, false) => Class::LosslessDown,
@@ -161,7 +161,7 @@ fn group(spheres: &[Sphere], members: &[Member]) -> Group {
     if !matches!(members[0].class, Class::LosslessUp | Class::AbsorbingUp) {
         let all = || members.iter().map(|m| spheres[m.index as usize].size_parameters());
         let largest = all().fold([0.0f64; 2], |most, (x, y)| [most[0].max(x.norm_sqr()), most[1].max(y.norm_sqr())]);
-        let tops = largest.map(|square| series_order(square.sqrt()).max(group.order) + 16);
+        let tops = largest.map(|square| top_order(square.sqrt(), group.order));
         for (x, y) in all() {
             for (i, z) in [x, y].into_iter().enumerate() {
                 group.start[i] = group.start[i].max(start_order(z, group.order, tops[i]));

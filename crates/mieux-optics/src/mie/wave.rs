@@ -17,7 +17,13 @@ const MAX_ERROR: f64 = 1e-8;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaneWave {
     wavelength: f64,
+    /// Vacuum wave number, 1/m.
+    k0: f64,
     host: Complex64,
+    /// `wavelength^2 / (2 pi |host|^2)`, by which sums of coefficients are cross sections, m^2.
+    area: f64,
+    /// `conj(host) / host - 1`
+    turn: Complex64,
     definition: ScatteringDefinition,
 }
 
@@ -63,7 +69,15 @@ impl PlaneWave {
     pub fn new(wavelength: f64, host: Complex64) -> Result<Self, MieError> {
         check_length("wavelength", wavelength)?;
         check_index("host", host)?;
-        Ok(Self { wavelength, host, definition: ScatteringDefinition::default() })
+        let square = host.norm_sqr();
+        Ok(Self {
+            wavelength,
+            k0: 2.0 * PI / wavelength,
+            host,
+            area: wavelength * wavelength / (2.0 * PI * square),
+            turn: Complex64::new(-2.0 * host.im * host.im, -2.0 * host.re * host.im) / square,
+            definition: ScatteringDefinition::default(),
+        })
     }
 
     /// The same wave, scattering understood otherwise.
@@ -88,12 +102,17 @@ impl PlaneWave {
 
     /// Complex wave number in the host, 1/m.
     pub fn wave_number(&self) -> Complex64 {
-        self.host * (2.0 * PI / self.wavelength)
+        self.host * self.k0
+    }
+
+    /// What turns sums of coefficients into cross sections, m^2.
+    pub(super) fn area(&self) -> f64 {
+        self.area
     }
 
     /// Vacuum wave number times a radius (m).
     pub(super) fn k0r(&self, radius: f64) -> f64 {
-        2.0 * PI * radius / self.wavelength
+        self.k0 * radius
     }
 
     /// Checks that the host does not absorb too much over a particle of outer size `k0r`.
@@ -120,14 +139,12 @@ impl PlaneWave {
         sums: &SphereSums,
         scaled: bool,
     ) -> Result<SphereScattering, MieError> {
-        let (x, host) = (self.host * k0r, self.host);
-        let area = self.wavelength * self.wavelength / (2.0 * PI * host.norm_sqr());
+        let Self { host, area, turn, .. } = *self;
+        let x = host * k0r;
         let mut amplitude = sums.forward;
         if scaled {
             amplitude *= (-2.0 * Complex64::I * x).exp();
         }
-        // conj(n)/n - 1
-        let turn = Complex64::new(-2.0 * host.im * host.im, -2.0 * host.re * host.im) / host.norm_sqr();
         let turned = amplitude * turn;
         let displaced = match self.definition {
             ScatteringDefinition::Frisvad2007 => turned.re,
@@ -204,11 +221,10 @@ pub(super) fn check_index(name: &'static str, n: Complex64) -> Result<(), MieErr
 
 /// Size parameter in the host and inside the particle.
 pub(super) fn check_size_parameters(x: Complex64, y: Complex64) -> Result<(), MieError> {
-    for (name, z, range) in [("host", x, 1e-8..=1e7), ("particle", y, 1e-10..=1e9)] {
-        let modulus = z.norm_sqr().sqrt();
-        if !range.contains(&modulus) {
-            let (least, most) = range.into_inner();
-            return Err(MieError::SizeParameter { name, modulus, least, most });
+    for (name, z, least, most) in [("host", x, 1e-8, 1e7), ("particle", y, 1e-10, 1e9)] {
+        let square = z.norm_sqr();
+        if !(least * least..=most * most).contains(&square) {
+            return Err(MieError::SizeParameter { name, modulus: square.sqrt(), least, most });
         }
     }
     Ok(())
