@@ -266,9 +266,9 @@ pub fn show(report: &PhaseReport, format: Format) -> Result<(), Failure> {
 /// The function, its moments, and how far the others are.
 fn summary(sheet: &PhaseSheet) -> String {
     let phase = &sheet.function.phase;
-    let moments: Vec<String> = sheet.legendre_moments(phase).iter().map(|m| significant(*m, 4)).collect();
+    let moments: Vec<String> = sheet.legendre_moments(phase).iter().map(|m| significant(tidy(*m), 4)).collect();
     let mut text = format!("{}\n", sheet.function.title);
-    text += &format!("{:<18}{}\n", "asymmetry g", significant(phase.asymmetry(), 5));
+    text += &format!("{:<18}{}\n", "asymmetry g", significant(tidy(phase.asymmetry()), 5));
     text += &format!("{:<18}{}\n", "Legendre moments", moments.join(" "));
     if !sheet.compared.is_empty() {
         let width = sheet.compared.iter().map(|c| c.other.name.chars().count() + 4).max().unwrap_or(0).max(12);
@@ -280,8 +280,8 @@ fn summary(sheet: &PhaseSheet) -> String {
             let name = if *fitted { format!("{} fit", other.name) } else { other.name.clone() };
             text += &format!(
                 "{name:<width$}{:>10}{:>10}{:>14}{:>14}{:>16} %\n",
-                significant(other.phase.asymmetry(), 5),
-                significant(c.delta_asymmetry, 3),
+                significant(tidy(other.phase.asymmetry()), 5),
+                significant(tidy(c.delta_asymmetry), 3),
                 significant(c.rms_log10, 3),
                 significant(c.max_log10, 3),
                 significant(100.0 * c.total_variation, 3)
@@ -292,4 +292,9 @@ fn summary(sheet: &PhaseSheet) -> String {
         }
     }
     text
+}
+
+/// Without what rounding left of zero.
+fn tidy(value: f64) -> f64 {
+    if value.abs() < 1e-12 { 0.0 } else { value }
 }

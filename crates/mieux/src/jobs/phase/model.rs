@@ -155,7 +155,8 @@ impl PhaseModel {
                 let material = Recipe::find(material)?.material(set)?;
                 let phase = material.medium.phase_at(wavelength.metres(), tolerance);
                 let phase = phase.map_err(|source| JobError::Medium { material: material.name.clone(), source })?;
-                (format!("{} at {}", material.title, format_length(wavelength.metres())), phase)
+                let idle = if phase == Isotropic.into() { ", which scatters nothing: taken for isotropic" } else { "" };
+                (format!("{} at {}{idle}", material.title, format_length(wavelength.metres())), phase)
             }
         };
         Ok(Named { name: self.name().to_owned(), title, phase })
@@ -188,6 +189,7 @@ pub(super) fn title(phase: &PhaseFunction) -> String {
         .into_iter()
         .map(|(name, value)| match name.strip_suffix("_m") {
             Some(length) => format!("{length} {}", format_length(value)),
+            None if name == "refractive_index" => format!("n = {}", significant(value, 5)),
             None => format!("{name} = {}", significant(value, 5)),
         })
         .collect();

@@ -8,8 +8,9 @@ use serde_json::{Map, Value, json};
 
 use super::{JobError, Named, model};
 
-/// Angles in a plot at equal steps.
-const PLOTTED: u32 = 3600;
+/// Equal steps over angle in a plot, at least and at most.
+const FEWEST_PLOTTED: usize = 720;
+const MOST_PLOTTED: usize = 3600;
 
 /// A phase function, and what it was compared with.
 #[derive(Debug, Clone, PartialEq)]
@@ -146,13 +147,18 @@ impl PhaseSheet {
     /// # Errors
     /// [`JobError::Plot`].
     pub fn svg(&self) -> Result<String, JobError> {
-        // A table asks for angles as fine as its oscillations, as far as a picture can show them.
+        // A table asks for angles as fine as its own, as far as a picture can show them.
         let all = || std::iter::once(&self.function).chain(self.compared.iter().map(|c| &c.other));
-        let tables = all().any(|named| matches!(named.phase, PhaseFunction::Tabulated(_)));
-        let step = if tables { 180.0 / f64::from(PLOTTED) } else { 0.25 };
+        let bins = all().map(|named| match &named.phase {
+            PhaseFunction::Tabulated(table) => table.grid().len(),
+            _ => 0,
+        });
+        let count = bins.max().unwrap_or(0).clamp(FEWEST_PLOTTED, MOST_PLOTTED);
+        let step = 180.0 / count as f64;
         let mut angles: Vec<f64> = (0..=20).map(|i| step * 0.7f64.powi(20 - i)).filter(|a| *a < step).collect();
         angles.insert(0, 0.0);
-        angles.extend((1..=(180.0 / step).round() as u32).map(|i| step * f64::from(i)));
+        angles.extend((1..count).map(|i| step * i as f64));
+        angles.push(180.0);
         let curve = |named: &Named| {
             let label = if named == &self.function { short(named) } else { named.name.clone() };
             (label, angles.iter().map(|angle| named.phase.value(cosine(*angle))).collect::<Vec<f64>>())
