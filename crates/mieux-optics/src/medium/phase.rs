@@ -1,6 +1,6 @@
 //! Phase functions of media: the mean of those of single spheres, each by how much it scatters.
 //!
-//! Source: section 2.2 of `frisvad2007`.
+//! Source: eq 31 and 32 of `frisvad2007`.
 
 use std::f64::consts::TAU;
 
