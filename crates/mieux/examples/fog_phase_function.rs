@@ -68,18 +68,8 @@ struct Cosines {
 
 fn cosines() -> Outcome<Cosines> {
     let diameters = diameters(FINE);
-    let wavelengths: Vec<f64> = (0..=30).map(|i| 400e-9 + 10e-9 * f64::from(i)).collect();
     let green = |d: &f64| Ok(scatter_sphere(0.5 * d, GREEN, AIR, water(GREEN)?)?.asymmetry);
-    // Each wavelength by how much of it is scattered.
-    let visible = |d: &f64| {
-        let (mut scattering, mut forward) = (0.0, 0.0);
-        for &wavelength in &wavelengths {
-            let found = scatter_sphere(0.5 * d, wavelength, AIR, water(wavelength)?)?;
-            scattering += found.scattering;
-            forward += found.scattering * found.asymmetry;
-        }
-        Ok(forward / scattering)
-    };
+    let visible = |d: &f64| visible(*d);
     let fit = |d: &f64| Ok(WaterDroplet::new(*d)?.asymmetry());
     Ok(Cosines {
         green: diameters.par_iter().map(green).collect::<Outcome<_>>()?,
@@ -89,10 +79,22 @@ fn cosines() -> Outcome<Cosines> {
     })
 }
 
+/// Mean cosine of a droplet in visible light, each wavelength by how much of it is scattered.
+fn visible(diameter: f64) -> Outcome<f64> {
+    let (mut scattering, mut forward) = (0.0, 0.0);
+    for wavelength in (0..=30).map(|i| 400e-9 + 10e-9 * f64::from(i)) {
+        let found = scatter_sphere(0.5 * diameter, wavelength, AIR, water(wavelength)?)?;
+        scattering += found.scattering;
+        forward += found.scattering * found.asymmetry;
+    }
+    Ok(forward / scattering)
+}
+
 /// How far from Lorenz-Mie theory the fit is, and a Henyey-Greenstein lobe of the right mean cosine.
 struct Distance {
     diameter: f64,
     g: f64,
+    visible_g: f64,
     fit_g: f64,
     /// Root mean square difference of logarithms, and share of the light elsewhere: of the fit, of the lobe.
     fit: [f64; 2],
@@ -118,6 +120,7 @@ fn distance(diameter: f64) -> Outcome<Distance> {
     Ok(Distance {
         diameter,
         g: exact.asymmetry(),
+        visible_g: visible(diameter)?,
         fit_g: fit.asymmetry(),
         fit: far(&exact, &fit),
         lobe: far(&exact, &lobe),
@@ -170,9 +173,10 @@ fn figure(cosines: &Cosines, distances: &[Distance]) -> Figure {
 
 fn table(distances: &[Distance]) -> Outcome<Table> {
     let of = |value: fn(&Distance) -> f64| distances.iter().map(value).collect::<Vec<f64>>();
-    let columns: [(&str, &str, Vec<f64>); 9] = [
+    let columns: [(&str, &str, Vec<f64>); 10] = [
         ("diameter", "um", of(|d| d.diameter * 1e6)),
         ("g_mie", "", of(|d| d.g)),
+        ("g_mie_visible", "", of(|d| d.visible_g)),
         ("g_fit", "", of(|d| d.fit_g)),
         ("rms_log10_fit", "", of(|d| d.fit[0])),
         ("total_variation_fit", "", of(|d| d.fit[1])),

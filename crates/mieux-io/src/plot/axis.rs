@@ -181,7 +181,7 @@ fn linear_style(low: f64, high: f64, step: f64) -> TickStyle {
 
 /// The largest of 1, 2, 5 times a power of ten that is not above `value`.
 fn tick_below(value: f64) -> f64 {
-    let power = 10f64.powf(value.log10().floor());
+    let power = 10f64.powf((value.log10() + 1e-9).floor());
     [5.0, 2.0].into_iter().map(|f| f * power).find(|t| *t <= value * (1.0 + 1e-9)).unwrap_or(power)
 }
 
