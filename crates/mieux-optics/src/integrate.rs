@@ -33,6 +33,9 @@ pub(crate) struct Integral<const K: usize> {
     pub error: [f64; K],
 }
 
+/// Integrals, and the panels that were enough for them, ascending.
+pub(crate) type Converged<const K: usize> = (Integral<K>, Vec<[f64; 2]>);
+
 struct Panel<const K: usize> {
     from: f64,
     to: f64,
@@ -51,14 +54,14 @@ pub(crate) fn integrate_many<const K: usize, E>(
     Ok(integrate_panels(knots, tolerance, floor, f)?.map(|(integral, _)| integral))
 }
 
-/// As [`integrate_many`], with the panels that were enough, ascending: [`rule`] on them is a rule for integrands like
+/// As [`integrate_many`], with the panels that were enough: [`rule`] on them is a rule for integrands like
 /// these.
 pub(crate) fn integrate_panels<const K: usize, E>(
     knots: &[f64],
     tolerance: f64,
     floor: [f64; K],
     mut f: impl FnMut(&[f64], &mut Vec<[f64; K]>) -> Result<(), E>,
-) -> Result<Option<(Integral<K>, Vec<[f64; 2]>)>, E> {
+) -> Result<Option<Converged<K>>, E> {
     let mut panels = Vec::with_capacity(2 * knots.len());
     let mut halves: Vec<(f64, f64)> = knots.windows(2).map(|pair| (pair[0], pair[1])).collect();
     let (mut nodes, mut values) = (Vec::new(), Vec::new());

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::{Inclusion, Medium, MediumError, absorption_coefficient};
-use crate::integrate::{Integral, integrate_panels};
+use crate::integrate::{Converged, integrate_panels};
 use crate::mie::{MieError, PlaneWave, Sphere, SphereScattering, scatter_spheres};
 use crate::particle::sphere_volume;
 use crate::spectrum::{Sampled, SpectrumError, WavelengthGrid};
@@ -213,7 +213,7 @@ impl<'a> Scatterer<'a> {
         knots: &[f64],
         tolerance: f64,
         floor: [f64; 5],
-    ) -> Result<(Integral<5>, Vec<[f64; 2]>), MediumError> {
+    ) -> Result<Converged<5>, MediumError> {
         let inclusion = self.inclusion;
         integrate_panels(knots, tolerance, floor, |nodes, values| {
             let measures = nodes.iter().map(|u| inclusion.sizes.volume_measure(*u));
