@@ -37,7 +37,7 @@ fn materials_and_scenes_are_listed() {
         assert!(materials.contains(name), "{materials}");
     }
     let scenes = text(&mieux(folder.path(), &["scenes"]).stdout);
-    assert!(scenes.contains("milk-components") && scenes.contains("1120x320"), "{scenes}");
+    assert!(scenes.contains("milk-components") && scenes.contains("560x210"), "{scenes}");
 }
 
 #[test]

@@ -156,6 +156,41 @@ fn kronrod<const K: usize>(width: f64, values: &[[f64; K]]) -> Integral<K> {
     Integral { value: fine.map(|v| v * half), error: std::array::from_fn(|k| ((fine[k] - coarse[k]) * half).abs()) }
 }
 
+/// Nodes and weights of the Gauss-Legendre rule of `count` points on [-1, 1], ascending and mirrored exactly: it integrates
+/// polynomials up to degree `2 count - 1`. Newton's method on the Legendre polynomial; the work grows with the square of
+/// `count`.
+pub(crate) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
+    let n = count as f64;
+    let mut rule = vec![(0.0, 0.0); count];
+    for i in 0..count.div_ceil(2) {
+        let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5)).cos();
+        let mut slope = 0.0;
+        for _ in 0..8 {
+            let (mut before, mut here) = (1.0, x);
+            for l in 1..count {
+                let l = l as f64;
+                (before, here) = (here, ((2.0 * l + 1.0) * x * here - l * before) / (l + 1.0));
+            }
+            if count == 1 {
+                before = 1.0;
+            }
+            slope = n * (x * here - before) / ((x - 1.0) * (x + 1.0));
+            let change = here / slope;
+            x -= change;
+            if change.abs() < 1e-15 {
+                break;
+            }
+        }
+        if 2 * i + 1 == count {
+            x = 0.0;
+        }
+        let weight = 2.0 / ((1.0 - x) * (1.0 + x) * slope * slope);
+        rule[i] = (-x, weight);
+        rule[count - 1 - i] = (x, weight);
+    }
+    rule
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -194,5 +229,17 @@ mod tests {
         assert!(integrate(&[0.0, 1.0], 1e-3, [0.0], nan).unwrap().is_none());
         let broken = integrate::<1, &str>(&[0.0, 1.0], 1e-3, [0.0], |_| Err("no"));
         assert_eq!(broken.unwrap_err(), "no");
+    }
+
+    #[test]
+    fn gauss_legendre_is_exact_to_its_degree() {
+        for count in [1usize, 2, 3, 10, 101] {
+            let rule = gauss_legendre(count);
+            assert!((rule.iter().map(|(_, w)| w).sum::<f64>() - 2.0).abs() < 1e-13);
+            let degree = (2 * count - 2).min(40) as i32;
+            let even: f64 = rule.iter().map(|(x, w)| w * x.powi(degree)).sum();
+            assert!((even - 2.0 / f64::from(degree + 1)).abs() < 1e-13, "{count}");
+            assert!(rule.iter().zip(rule.iter().rev()).all(|(a, b)| a.0 == -b.0));
+        }
     }
 }

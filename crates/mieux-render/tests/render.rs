@@ -1,15 +1,18 @@
 //! The driver: the same bits on any number of threads, interrupted or not; stop rules; errors.
 
+#![allow(clippy::print_stdout)]
+
 mod common;
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use common::spectrum;
+use mieux_optics::spectrum::colour::luminance;
 use mieux_render::film::Film;
 use mieux_render::light::constant;
 use mieux_render::medium::Medium;
-use mieux_render::render::{Flow, Outcome, RenderError, RenderSettings, StopRule, render};
-use mieux_render::scene::{GlassScene, Scene, SceneError, glasses};
+use mieux_render::render::{Flow, Outcome, RenderError, RenderSettings, StopRule, render, render_prepared};
+use mieux_render::scene::{GlassScene, Prepared, Scene, SceneError, glasses};
 
 fn small_glass() -> Scene {
     let milk = Medium {
@@ -79,6 +82,36 @@ fn noise_is_reached_and_progress_adds_up() {
     assert_eq!(u64::from(last.into_inner()), rendered.film.total_samples());
     assert_eq!(rendered.statistics.paths, rendered.film.total_samples());
     assert_eq!(rendered.statistics.lost, 0);
+}
+
+/// The noise a film gives is the spread it claims to be: over 16 seeds, pixel by pixel, against what each film says of
+/// itself. Both sides are mean squares over pixels; 15 degrees of freedom in each of 1850 pixels make the ratio sure to
+/// about 1 %, and bright rare paths to a few.
+#[test]
+fn the_noise_given_is_the_spread_over_seeds() {
+    let (scene, seeds, samples) = (Prepared::new(&small_glass()).unwrap(), 16u32, 32);
+    let films: Vec<Film> = (0..seeds)
+        .map(|seed| {
+            let settings = RenderSettings { seed: 1000 + u64::from(seed), ..settings(StopRule::Samples(samples)) };
+            render_prepared(&scene, &settings, None, &|_| Flow::Continue).unwrap().film
+        })
+        .collect();
+    let n = f64::from(seeds);
+    let (mut spread, mut given, mut noise) = (0.0, 0.0, 0.0);
+    for pixel in 0..films[0].pixels().len() {
+        let values: Vec<f64> = films.iter().map(|f| luminance(f.pixels()[pixel].mean())).collect();
+        let mean = values.iter().sum::<f64>() / n;
+        let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        // Relative, as the noise is, so that bright pixels do not decide alone.
+        spread += variance / (mean * mean);
+        given += films.iter().map(|f| f.pixels()[pixel].luminance_error().powi(2)).sum::<f64>() / n / (mean * mean);
+        noise += variance.sqrt() / mean / films[0].pixels().len() as f64;
+    }
+    let ratio = (given / spread).sqrt();
+    let printed = films.iter().map(Film::noise).sum::<f64>() / n;
+    println!("noise given over spread found: {ratio:.3} (mean squares), {:.3} (means)", printed / noise);
+    assert!((0.95..1.15).contains(&ratio), "{ratio}");
+    assert!((0.95..1.15).contains(&(printed / noise)), "{printed} {noise}");
 }
 
 #[test]

@@ -15,7 +15,7 @@ fn extent<'a>(labels: impl Iterator<Item = &'a str>) -> (f64, f64) {
     ((45.0 + 6.2 * longest as f64) / 370.0, (14.0 + 18.0 * f64::from(rows)) / 230.0)
 }
 
-/// The position of the legend, given the lines of a panel in the units of its axes.
+/// The position of the legend, given the lines of a panel in the units of its axes; outside where it would cover some.
 pub(super) fn place<'a>(
     labels: impl Iterator<Item = &'a str>,
     lines: &[Vec<(f64, f64)>],
@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn where_there_is_no_room_a_legend_goes_outside() {
         let x = Axis::horizontal([0.0, 1.0].into_iter(), Scale::Linear, false);
-        let y = Axis::vertical([0.0, 1.0].into_iter(), Scale::Linear, false);
+        let y = Axis::vertical([0.0, 1.0].into_iter(), Scale::LinearOver(0.0, 1.0), false);
         let lines: Vec<_> = (0..20).map(|i| f64::from(i) / 20.0).map(|u| vec![(0.0, u), (1.0, u)]).collect();
         let place = place(["one", "two", "three"].into_iter(), &lines, &x, &y);
         assert!(matches!(place, LegendPosition::OutsideRightTop));

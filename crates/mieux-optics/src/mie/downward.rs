@@ -3,7 +3,7 @@
 use pulp::Simd;
 
 use super::host::Host;
-use super::kernel::{Constants, Group, Sink, divide};
+use super::kernel::{Constants, Group, Sink, Slopes, divide};
 use super::lanes::{Cx, Re, Wave};
 use super::recurrence::{Descent, up};
 use super::weights::Weights;
@@ -17,7 +17,7 @@ pub(super) const GROWTH: f64 = 138.0;
 /// Everything that runs downward, at one order `n` and the next: `psi` and `p`, each with a factor of its own, and `M`
 /// with both.
 #[derive(Clone, Copy)]
-pub(super) struct Checkpoint<S: Simd, W> {
+struct Checkpoint<S: Simd, W> {
     psi: Descent<W>,
     p: Descent<Cx<S>>,
     magnetic: Descent<Cx<S>>,
@@ -42,25 +42,41 @@ impl<S: Simd, W: Wave<S>> Checkpoint<S, W> {
     }
 }
 
+/// Memory that one group after another makes use of.
+pub(super) struct Scratch<S: Simd, W> {
+    checkpoints: Vec<Checkpoint<S, W>>,
+    /// `psi`, `p` and `M` over one run.
+    kept: Vec<(W, Cx<S>, Cx<S>)>,
+}
+
+impl<S: Simd, W> Scratch<S, W> {
+    pub fn new() -> Self {
+        Self { checkpoints: Vec::new(), kept: Vec::new() }
+    }
+}
+
 /// All orders with `psi` and `p` by downward recurrences. They are run through once to leave a checkpoint every few
 /// orders, then again run by run, so that memory stays small at any size.
 #[inline(always)]
-pub(super) fn downward<S: Simd, H: Host<S>>(
+pub(super) fn downward<S: Simd, H: Host<S>, O: Sink<S>>(
     simd: S,
     group: &Group,
     weights: &mut Weights,
-    checkpoints: &mut Vec<Checkpoint<S, H::Wave>>,
-    sink: &mut impl Sink<S>,
+    scratch: &mut Scratch<S, H::Wave>,
+    sink: &mut O,
 ) {
     let constants = Constants::<S, H>::new(simd, group);
     let growth = (2.0 * group.start[0].max(group.start[1]) as f64 + 1.0) / group.smallest + 1.0;
     let run = ((GROWTH / growth.ln()) as usize).clamp(4, BLOCK);
+    let Scratch { checkpoints, kept } = scratch;
     descend(&constants, group, run, checkpoints);
 
     let [_, chi] = H::start(simd, constants.x, constants.inverse_x);
     let mut chi = up(constants.inverse_x, constants.real(1.0), chi);
     let zero = Cx { re: constants.real(0.0), im: constants.real(0.0) };
-    let mut kept = [(constants.x, zero, zero); BLOCK + 1];
+    kept.resize(BLOCK + 1, (constants.x, zero, zero));
+    // A whole array, so that its bounds are known.
+    let Some(kept) = kept.first_chunk_mut::<{ BLOCK + 1 }>() else { return };
     let mut first = 1;
     while let Some(mut at) = checkpoints.pop() {
         let count = run.min(group.order + 1 - first);
@@ -93,6 +109,10 @@ pub(super) fn downward<S: Simd, H: Host<S>>(
             let y_b = chi[0].times_sub(p_above, chi[1].times(q));
             let a = H::fraction(u.cross(p), n_a, y_a);
             let b = H::fraction(p_above.cross(q), magnetic, y_b);
+            if O::SLOPES {
+                let denominators = [H::denominator(n_a, y_a), H::denominator(magnetic, y_b)];
+                sink.take_slopes(slopes(&constants, weight.order, [p, p_above], q, denominators));
+            }
             sink.take(weight, divide(a, b));
             (p, q, magnetic) = (p_above, q_above, magnetic_above);
         }
@@ -132,4 +152,40 @@ fn descend<S: Simd, H: Host<S>>(
         top.scale(psi, p);
         checkpoints.push(top);
     }
+}
+
+/// Derivatives of the coefficients, which as `(L psi - psi') / (L zeta - zeta')` with the logarithmic derivative `L` that the
+/// particle imposes are `da = i ((n (n + 1) / x^2 - 1 - L^2) dx - dL) / (L zeta - zeta')^2`, since `psi'' = (n (n + 1) / x^2
+/// - 1) psi` and the Wronskian is `i`; `L = A / m` and `m A`, where `A = psi_n'(y) / psi_n(y)` obeys `A' = n (n + 1) / y^2 - 1
+/// - A^2`.
+#[inline(always)]
+fn slopes<S: Simd, H: Host<S>>(
+    constants: &Constants<S, H>,
+    n: f64,
+    [p, p_above]: [Cx<S>; 2],
+    q: Cx<S>,
+    denominators: [Cx<S>; 2],
+) -> Slopes<S> {
+    let unit = Cx { re: constants.real(1.0), im: constants.real(0.0) };
+    let (inverse_x, inverse_y) = (constants.inverse_x.times(unit), constants.inverse_y);
+    let order = constants.real(n * (n + 1.0));
+    let curvature = |inverse: Cx<S>| inverse.times(inverse).scale(order) - unit;
+    let (bend_x, bend_y) = (curvature(inverse_x), curvature(inverse_y));
+    let m = constants.inverse_m.recip();
+    // A p, and A p / m.
+    let inner = p.times(inverse_y).scale(constants.real(n + 1.0)) - p_above;
+    let outer = inner.times(constants.inverse_m);
+    let (p2, q2, inner2) = (p.times(p), q.times(q), inner.times(inner));
+
+    let a_x = bend_x.times(p2) - outer.times(outer) - p.times(outer).times(inverse_x);
+    let a_y = p.times(outer).times(inverse_y) - (bend_y.times(p2) - inner2).times(constants.inverse_m);
+    let b_x = bend_x.times(q2) - inner2 + q.times(inner).times(inverse_x);
+    let b_y = inner2.times(constants.inverse_m) - m.times(bend_y).times(q2) - q.times(inner).times(inverse_y);
+    let over = |slope: Cx<S>, denominator: Cx<S>| {
+        let inverse = denominator.recip();
+        let value = slope.times(inverse).times(inverse);
+        Cx { re: constants.real(0.0) - value.im, im: value.re }
+    };
+    let [d_a, d_b] = denominators;
+    Slopes { a: [over(a_x, d_a), over(a_y, d_a)], b: [over(b_x, d_b), over(b_y, d_b)] }
 }

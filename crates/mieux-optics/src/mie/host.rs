@@ -13,6 +13,11 @@ pub(super) trait Host<S: Simd> {
     fn size_parameter(k0r: Re<S>, index: Cx<S>) -> Self::Wave;
     /// `psi` at orders -1 and 0, `chi` at the same, for recurrences that run on `inverse`, which is `1 / x`.
     fn start(simd: S, x: Self::Wave, inverse: Self::Wave) -> [[Self::Wave; 2]; 2];
+    /// What stands below a coefficient.
+    #[inline(always)]
+    fn denominator(numerator: Cx<S>, second: Cx<S>) -> Cx<S> {
+        Cx { re: numerator.re + second.im, im: numerator.im - second.re }
+    }
     /// A coefficient, from its parts `N` and `Y` and, in case the waves are real, `Im(Y conj N)` from inside the particle.
     fn fraction(inside: Re<S>, numerator: Cx<S>, second: Cx<S>) -> Fraction<S>;
 }
@@ -97,6 +102,11 @@ impl<S: Simd> Host<S> for Absorbing {
 
 impl<S: Simd> Host<S> for Opaque {
     type Wave = Cx<S>;
+
+    #[inline(always)]
+    fn denominator(_: Cx<S>, second: Cx<S>) -> Cx<S> {
+        Cx { re: second.im, im: second.re.same(0.0) - second.re }
+    }
 
     #[inline(always)]
     fn size_parameter(k0r: Re<S>, index: Cx<S>) -> Cx<S> {

@@ -46,8 +46,20 @@ pub(super) struct Term<S: Simd> {
     pub loss: Re<S>,
 }
 
+/// Derivatives of the coefficients of one order by the size parameters in the host and inside the particle, in this
+/// order, divided as the coefficients are.
+#[derive(Clone, Copy)]
+pub(super) struct Slopes<S: Simd> {
+    pub a: [Cx<S>; 2],
+    pub b: [Cx<S>; 2],
+}
+
 /// Takes the coefficients, order by order from 1.
 pub(super) trait Sink<S: Simd> {
+    /// Whether derivatives are wanted; only the downward series gives them.
+    const SLOPES: bool = false;
+    /// Called before `take` with the derivatives of the same order.
+    fn take_slopes(&mut self, _: Slopes<S>) {}
     fn take(&mut self, weight: &Weight, term: Term<S>);
     /// Called every few hundred orders: a place to add up partial sums.
     fn pause(&mut self) {}

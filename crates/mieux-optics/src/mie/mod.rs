@@ -8,6 +8,8 @@ mod amplitude;
 mod coefficients;
 mod downward;
 mod elementary;
+mod expansion;
+mod gradient;
 mod host;
 mod kernel;
 mod lanes;
@@ -23,6 +25,8 @@ mod weights;
 
 pub use amplitude::{Directions, Mueller};
 pub use coefficients::Coefficients;
+pub use expansion::Expansion;
+pub use gradient::{Slope, SphereGradient};
 pub use layered_sphere::{Layer, LayeredSphere, scatter_layered_spheres};
 pub use population::{Population, PopulationError, PopulationScattering};
 pub use sphere::{Sphere, scatter_sphere, scatter_spheres};
@@ -36,7 +40,7 @@ pub enum ScatteringDefinition {
     #[default]
     Frisvad2007,
     /// What a detector in the far field receives, referred to the incident intensity at the centre of the particle as if
-    /// it were not there: eq 33-35 of `mishchenko2018`. Extinction carries `1 / Re k` in place of `Re(1 / k)`.
+    /// it were not there (`mishchenko2018`). Its extinction is `4 pi / Re(k) Re(S(0) / k)` in place of `4 pi Re(S(0) / k^2)`.
     MishchenkoYang2018,
 }
 

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use pulp::{Simd, WithSimd};
 
 use super::coefficients::{Coefficients, Keep};
-use super::downward::{Checkpoint, downward};
+use super::downward::{Scratch, downward};
 use super::elementary::NARROW;
 use super::host::{Absorbing, Lossless, Opaque};
 use super::kernel::{Group, Sink};
@@ -21,10 +21,10 @@ use super::{MieError, SphereError};
 /// One homogeneous sphere in a plane wave; everything in it has been checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
-    wave: PlaneWave,
+    pub(super) wave: PlaneWave,
     /// Vacuum wave number times radius.
-    k0r: f64,
-    index: Complex64,
+    pub(super) k0r: f64,
+    pub(super) index: Complex64,
 }
 
 impl Sphere {
@@ -84,12 +84,28 @@ const CHUNK: usize = 2048;
 
 /// How a sphere's series is summed; spheres of one class go abreast. Small ones first, as input often comes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Class {
+pub(super) enum Class {
     LosslessDown,
     LosslessUp,
     AbsorbingDown,
     AbsorbingUp,
     Opaque,
+}
+
+impl Class {
+    /// Whether every coefficient lacks a factor of `exp(-2 i x)`.
+    pub fn scaled(self) -> bool {
+        self == Self::Opaque
+    }
+
+    /// The downward series for the same spheres.
+    pub fn downward(self) -> Self {
+        match self {
+            Self::LosslessUp => Self::LosslessDown,
+            Self::AbsorbingUp => Self::AbsorbingDown,
+            other => other,
+        }
+    }
 }
 
 /// A sphere's place in the order in which spheres are put abreast.
@@ -205,16 +221,16 @@ impl WithSimd for ScatterSpheres<'_> {
 }
 
 /// What the series of one group after another share.
-struct Series<S: Simd> {
+pub(super) struct Series<S: Simd> {
     simd: S,
     weights: Weights,
-    real: Vec<Checkpoint<S, Re<S>>>,
-    complex: Vec<Checkpoint<S, Cx<S>>>,
+    real: Scratch<S, Re<S>>,
+    complex: Scratch<S, Cx<S>>,
 }
 
 impl<S: Simd> Series<S> {
-    fn new(simd: S) -> Self {
-        Self { simd, weights: Weights::new(), real: Vec::new(), complex: Vec::new() }
+    pub fn new(simd: S) -> Self {
+        Self { simd, weights: Weights::new(), real: Scratch::new(), complex: Scratch::new() }
     }
 
     /// Scattering by those of the spheres that are members, all of one class.
@@ -232,7 +248,7 @@ impl<S: Simd> Series<S> {
             let (members, others) = rest.split_at(abreast(S::F64_LANES.min(rest.len()), &sizes));
             rest = others;
             let group = group(spheres, members);
-            let sums = if class == Class::Opaque {
+            let sums = if class.scaled() {
                 let mut sums = Sums::<S, true>::new(self.simd);
                 self.run(class, &group, &mut sums);
                 sums.finish()
@@ -245,7 +261,7 @@ impl<S: Simd> Series<S> {
                 let index = member.index as usize;
                 let Sphere { wave, k0r, .. } = &spheres[index];
                 out[index] = wave
-                    .cross_sections(*k0r, &sums.lane(lane), class == Class::Opaque)
+                    .cross_sections(*k0r, &sums.lane(lane), class.scaled())
                     .map_err(|source| SphereError { index, source })?;
             }
         }
@@ -253,16 +269,23 @@ impl<S: Simd> Series<S> {
     }
 
     #[inline(always)]
-    fn run(&mut self, class: Class, group: &Group, sink: &mut impl Sink<S>) {
+    pub fn run<O: Sink<S>>(&mut self, class: Class, group: &Group, sink: &mut O) {
         let Self { simd, weights, real, complex } = self;
         match class {
             Class::LosslessUp => upward::<S, Lossless>(*simd, group, weights, sink),
-            Class::LosslessDown => downward::<S, Lossless>(*simd, group, weights, real, sink),
+            Class::LosslessDown => downward::<S, Lossless, O>(*simd, group, weights, real, sink),
             Class::AbsorbingUp => upward::<S, Absorbing>(*simd, group, weights, sink),
-            Class::AbsorbingDown => downward::<S, Absorbing>(*simd, group, weights, complex, sink),
-            Class::Opaque => downward::<S, Opaque>(*simd, group, weights, complex, sink),
+            Class::AbsorbingDown => downward::<S, Absorbing, O>(*simd, group, weights, complex, sink),
+            Class::Opaque => downward::<S, Opaque, O>(*simd, group, weights, complex, sink),
         }
     }
+}
+
+/// The class of one sphere by itself, and the group that it makes in a class.
+pub(super) fn single(sphere: &Sphere) -> (Class, impl Fn(Class) -> Group) {
+    let member = Member::new(0, sphere);
+    let of = move |class| group(std::slice::from_ref(sphere), &[Member { class, ..member }]);
+    (member.class, of)
 }
 
 struct SphereCoefficients<'a>(&'a Sphere);
@@ -273,17 +296,17 @@ impl WithSimd for SphereCoefficients<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Coefficients {
         let sphere = self.0;
-        let member = Member::new(0, sphere);
-        let group = group(std::slice::from_ref(sphere), &[member]);
+        let (class, group) = single(sphere);
+        let group = group(class);
         let mut series = Series::new(simd);
-        let scaled = member.class == Class::Opaque;
+        let scaled = class.scaled();
         let (sums, terms) = if scaled {
             let mut keep = Keep::<S, true>::new(simd, group.order);
-            series.run(Class::Opaque, &group, &mut keep);
+            series.run(class, &group, &mut keep);
             (keep.sums.finish(), keep.terms)
         } else {
             let mut keep = Keep::<S, false>::new(simd, group.order);
-            series.run(member.class, &group, &mut keep);
+            series.run(class, &group, &mut keep);
             (keep.sums.finish(), keep.terms)
         };
         Coefficients { wave: sphere.wave, k0r: sphere.k0r, scaled, terms, sums: sums.lane(0) }

@@ -159,6 +159,19 @@ impl PlaneWave {
         })
     }
 
+    /// The factor between the sum of squared moduli and the scattering, and the derivative of what it is without scaling,
+    /// by `alpha`, twice the imaginary part of the size parameter. Both with `exp(2 alpha)` when `scaled`.
+    pub(super) fn surface(&self, alpha: f64, scaled: bool) -> (f64, f64) {
+        let decay = if scaled { 1.0 } else { (-2.0 * alpha).exp() };
+        match self.definition {
+            ScatteringDefinition::MishchenkoYang2018 => (decay * (2.0 * alpha).exp(), 0.0),
+            ScatteringDefinition::Frisvad2007 => {
+                let h = 1.0 + surface_excess(alpha);
+                (decay * h, decay * (surface_slope(alpha) - 2.0 * h))
+            }
+        }
+    }
+
     /// By what the sum of squared moduli grows to be the scattering, less 1; `alpha` is twice the imaginary part of the
     /// size parameter.
     fn excess(&self, alpha: f64) -> f64 {
@@ -217,6 +230,25 @@ fn surface_excess(alpha: f64) -> f64 {
         alpha * alpha / (2.0 * ((-alpha).exp() - 1.0 + alpha)) - 1.0
     }
 }
+/// Derivative of [`surface_excess`].
+fn surface_slope(alpha: f64) -> f64 {
+    let h = 1.0 + surface_excess(alpha);
+    if alpha < 0.5 {
+        // The series of 1/h, term by term: alpha^k over (k + 2)!/2 with alternating signs.
+        let mut term = -1.0 / 3.0;
+        let mut slope = term;
+        for k in 2..14 {
+            let k = f64::from(k);
+            term *= -alpha * k / ((k - 1.0) * (k + 2.0));
+            slope += term;
+        }
+        -h * h * slope
+    } else {
+        let decay = (-alpha).exp();
+        h * (2.0 / alpha - (1.0 - decay) / (decay - 1.0 + alpha))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -226,6 +258,10 @@ mod tests {
         let gamma = |a: f64| 2.0 * (1.0 + (a - 1.0) * a.exp()) / (a * a);
         for a in [0.3f64, 0.4999, 0.5001, 2.0, 20.0] {
             assert!(((1.0 + surface_excess(a)) * gamma(a) / a.exp() - 1.0).abs() < 1e-12);
+        }
+        for a in [1e-3, 0.2, 0.4999, 0.5001, 3.0] {
+            let difference = (surface_excess(a + 1e-4) - surface_excess(a - 1e-4)) / 2e-4;
+            assert!((surface_slope(a) / difference - 1.0).abs() < 1e-7, "{a}");
         }
         assert_eq!(surface_excess(0.0), 0.0);
         assert!(surface_excess(1e6).is_finite());

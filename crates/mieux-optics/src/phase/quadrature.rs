@@ -4,6 +4,8 @@
 
 use std::f64::consts::PI;
 
+use crate::integrate::gauss_legendre;
+
 /// The Legendre polynomial of a degree at `x` in [-1, 1], by the upward recurrence (stable there).
 pub(super) fn legendre(degree: u32, x: f64) -> f64 {
     let (mut before, mut now) = (1.0, x);
@@ -20,23 +22,6 @@ pub(super) fn legendre(degree: u32, x: f64) -> f64 {
 fn next_legendre(l: u32, x: f64, before: f64, now: f64) -> f64 {
     let l = f64::from(l);
     ((2.0 * l + 1.0) * x * now - l * before) / (l + 1.0)
-}
-
-/// Nodes in (-1, 1) and weights of the Gauss-Legendre rule with `n >= 1` nodes, by Newton's method.
-pub(super) fn gauss_legendre(n: u32) -> Vec<(f64, f64)> {
-    let size = f64::from(n);
-    (0..n)
-        .map(|i| {
-            let mut x = (PI * (f64::from(i) + 0.75) / (size + 0.5)).cos();
-            let mut slope = 1.0;
-            for _ in 0..8 {
-                let (p, q) = (legendre(n, x), legendre(n - 1, x));
-                slope = size * (q - x * p) / (1.0 - x * x);
-                x -= p / slope;
-            }
-            (x, 2.0 / ((1.0 - x * x) * slope * slope))
-        })
-        .collect()
 }
 
 /// Edges in `away` that halve towards forward and towards backward: peaks of any width fall into some panel.
@@ -70,7 +55,7 @@ pub(super) fn visit(edges: &[f64], degree: u32, mut f: impl FnMut(usize, f64, f6
             rules.resize(nodes + 1, Vec::new());
         }
         if rules[nodes].is_empty() {
-            rules[nodes] = gauss_legendre(nodes as u32);
+            rules[nodes] = gauss_legendre(nodes);
         }
         for &(x, w) in &rules[nodes] {
             f(panel, middle + half * x, 2.0 * PI * half * w);

@@ -37,7 +37,7 @@ fn panel_shares(phase: &PhaseFunction) -> (Vec<f64>, Vec<f64>) {
 /// Edges in `1 - mu` of bins of equal probability, by integrating `value` and halving inside a panel.
 fn equal_bins(phase: &PhaseFunction, bins: usize) -> Vec<f64> {
     let (edges, shares) = panel_shares(phase);
-    let rule = quadrature::gauss_legendre(12);
+    let rule = crate::integrate::gauss_legendre(12);
     let part = |from: f64, to: f64| -> f64 {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         rule.iter().map(|(x, w)| 2.0 * PI * half * w * phase.value_away(middle + half * x)).sum()

@@ -39,6 +39,11 @@ const RING_SPACING: f64 = 0.006;
 const ARC: u32 = 6;
 
 impl DrinkingGlass {
+    /// A vial of 10 x 27 mm with a wall of 0.8 mm.
+    pub fn vial() -> Self {
+        Self { outer_radius: 0.005, height: 0.027, wall: 0.0008, base: 0.0012, ..Self::default() }
+    }
+
     /// Inner radius of the wall, m.
     pub fn inner_radius(&self) -> f64 {
         self.outer_radius - self.wall

@@ -3,7 +3,7 @@
 use super::interface::Interface;
 use super::throughput::{ROULETTE, Throughput};
 use super::turbid::MediumLanes;
-use super::walk::{WalkEnd, walk};
+use super::walk::{Flight, WalkEnd, walk};
 use super::{LANES, Lanes, Statistics, Transport};
 use crate::geometry::{Accelerator, Hit, Ray};
 use crate::sampler::PixelSampler;
@@ -133,16 +133,9 @@ impl Path<'_> {
             }
             let left = if self.transport.similarity && !reduce { limit - self.walked } else { f64::INFINITY };
             let length;
-            (end, length) = walk(
-                self.scene.accelerator(),
-                &medium,
-                &mut self.ray,
-                &mut self.exclude,
-                left,
-                &mut self.throughput,
-                self.sampler.generator(),
-                self.statistics,
-            );
+            let flight = Flight { ray: &mut self.ray, exclude: &mut self.exclude, throughput: &mut self.throughput };
+            let generator = self.sampler.generator();
+            (end, length) = walk(self.scene.accelerator(), &medium, flight, left, generator, self.statistics);
             self.walked += length;
         }
         match end {

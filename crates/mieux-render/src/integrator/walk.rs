@@ -41,6 +41,16 @@ struct Account {
 impl Account {
     const EMPTY: Self = Self { length: 0.0, collisions: 0, angles: [1.0; LANES] };
 
+    /// A flight of `step` (m) and a turn by the cosine `mu`.
+    #[inline(always)]
+    fn collide(&mut self, step: f64, mu: f64, phase: &Hero) {
+        self.length += step;
+        self.collisions += 1;
+        for (product, (fixed, slope)) in self.angles.iter_mut().zip(phase.denominators) {
+            *product *= fixed - slope * mu;
+        }
+    }
+
     /// Writes the account into the throughput and starts a new one.
     fn close(&mut self, medium: &Turbid, throughput: &mut Throughput) {
         let count = f64::from(self.collisions);
@@ -58,68 +68,51 @@ impl Account {
     }
 }
 
-/// Walks from `ray` until a surface, the length `limit` (m), or the end; `ray` is left at the last collision and
-/// `exclude` cleared after the first. The hero's extinction gives the free flights and its asymmetry the angles;
-/// absorption only weighs. Returns the end and the length walked (m).
-///
-/// A sphere known to hold no surface (around where the nearest one was last looked for) spares most steps the test.
-#[allow(clippy::too_many_arguments)]
+/// What a walk moves: where the light is, and what it carries.
+pub(crate) struct Flight<'a> {
+    /// Left at the last collision, or before the surface met.
+    pub(crate) ray: &'a mut Ray,
+    /// The triangle the ray has just left; cleared after the first collision.
+    pub(crate) exclude: &'a mut u32,
+    pub(crate) throughput: &'a mut Throughput,
+}
+
+/// Walks until a surface, the length `limit` (m), or the end. The hero's extinction gives the free flights and its
+/// asymmetry the angles; absorption only weighs. Returns the end and the length walked (m).
 pub(crate) fn walk(
     accelerator: &Accelerator,
     medium: &Turbid,
-    ray: &mut Ray,
-    exclude: &mut u32,
+    flight: Flight<'_>,
     limit: f64,
-    throughput: &mut Throughput,
     outer: &mut Pcg64Mcg,
     statistics: &mut Statistics,
 ) -> (WalkEnd, f64) {
+    let Flight { ray, exclude, throughput } = flight;
     // A copy of its own stays in registers.
     let mut generator = outer.clone();
-    let exponential = Exponential::get();
+    let (exponential, turn, phase) = (Exponential::get(), Turn::get(), Hero::new(medium));
     let mean_free_path = 1.0 / medium.sigma_t[0];
-    let enough = ENOUGH * mean_free_path;
-    let phase = Hero::new(medium);
-    let turn = Turn::get();
-    let mut forward = ray.direction;
-    let mut place = ray.origin;
-    let (mut centre, mut clear) = (place, -1.0);
+    let Ray { origin: mut place, direction: mut forward } = *ray;
+    let mut space = Space::new(accelerator, ENOUGH * mean_free_path, *exclude);
     let mut account = Account::EMPTY;
-    let (mut walked, mut left) = (0.0, limit);
-    let mut closed = 0u64;
-    let (low, high) = accelerator.bounds();
+    let (mut walked, mut closed) = (0.0, 0u64);
     let end = loop {
         let step = exponential.sample(&mut generator) * mean_free_path;
         let next = place + forward * step;
-        if (next - centre).length_squared() >= clear {
-            let free = accelerator.clearance(place, step, enough);
-            (centre, clear) = (place, free * free);
-            if step >= free {
-                ray.origin = place;
-                ray.direction = forward;
-                if let Some(hit) = accelerator.intersect(ray, step, *exclude) {
-                    account.length += hit.t;
-                    break WalkEnd::Hit(hit);
-                }
-            }
-            if !(place.cmpge(low).all() && place.cmple(high).all()) {
-                break WalkEnd::Lost;
-            }
-            *exclude = Accelerator::NONE;
+        if (next - space.centre).length_squared() >= space.clear
+            && let Some((end, length)) = space.look(place, forward, step)
+        {
+            account.length += length;
+            break end;
         }
         place = next;
-        account.length += step;
-        account.collisions += 1;
         let bits = generator.next_u64();
         let mu = phase.sample(bits);
-        for (product, (fixed, slope)) in account.angles.iter_mut().zip(phase.denominators) {
-            *product *= fixed - slope * mu;
-        }
+        account.collide(step, mu, &phase);
         forward = scattered(forward, mu, turn.angle(bits as u32));
-        if account.collisions >= medium.interval || account.length > left {
+        if account.collisions >= medium.interval || walked + account.length > limit {
             closed += u64::from(account.collisions);
             walked += account.length;
-            left = limit - walked;
             account.close(medium, throughput);
             // Takes out the rounding of many turns.
             forward = forward.normalize();
@@ -135,12 +128,44 @@ pub(crate) fn walk(
         }
     };
     *outer = generator;
-    ray.origin = place;
-    ray.direction = forward;
+    (ray.origin, ray.direction, *exclude) = (place, forward, space.exclude);
     statistics.collisions += closed + u64::from(account.collisions);
     walked += account.length;
     account.close(medium, throughput);
     (end, walked)
+}
+
+/// What is known about the surfaces around a walk: a sphere that holds none, around where the nearest one was last
+/// looked for, spares most steps the test.
+struct Space<'a> {
+    accelerator: &'a Accelerator,
+    enough: f64,
+    exclude: u32,
+    centre: DVec3,
+    /// Square of the sphere's radius; below 0 if nothing is known.
+    clear: f64,
+}
+
+impl<'a> Space<'a> {
+    fn new(accelerator: &'a Accelerator, enough: f64, exclude: u32) -> Self {
+        Self { accelerator, enough, exclude, centre: DVec3::ZERO, clear: -1.0 }
+    }
+
+    /// Whether a step from `place` that may leave the sphere ends the walk, and after which length.
+    fn look(&mut self, place: DVec3, forward: DVec3, step: f64) -> Option<(WalkEnd, f64)> {
+        let free = self.accelerator.clearance(place, step, self.enough);
+        (self.centre, self.clear) = (place, free * free);
+        if step >= free {
+            let ray = Ray { origin: place, direction: forward };
+            if let Some(hit) = self.accelerator.intersect(&ray, step, self.exclude) {
+                return Some((WalkEnd::Hit(hit), hit.t));
+            }
+        }
+        self.exclude = Accelerator::NONE;
+        let (low, high) = self.accelerator.bounds();
+        let inside = place.cmpge(low).all() && place.cmple(high).all();
+        (!inside).then_some((WalkEnd::Lost, 0.0))
+    }
 }
 
 /// The hero's phase function, and what every wavelength's contributes to the account.
@@ -243,16 +268,8 @@ mod tests {
             ray.origin.z -= 1e-10;
             loop {
                 let before = throughput.share();
-                let (end, length) = walk(
-                    &accelerator,
-                    &medium,
-                    &mut ray,
-                    &mut exclude,
-                    0.0,
-                    &mut throughput,
-                    &mut generator,
-                    &mut statistics,
-                );
+                let flight = Flight { ray: &mut ray, exclude: &mut exclude, throughput: &mut throughput };
+                let (end, length) = walk(&accelerator, &medium, flight, 0.0, &mut generator, &mut statistics);
                 kept += before * 300.0 * length;
                 match end {
                     WalkEnd::Hit(_) if ray.direction.z > 0.0 => reflected += throughput.share(),

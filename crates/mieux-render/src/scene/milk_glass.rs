@@ -18,6 +18,8 @@ pub struct GlassScene {
     pub shape: DrinkingGlass,
     /// Height of the liquid above the table, m.
     pub level: f64,
+    /// Share of light the table reflects, in [0, 1].
+    pub table: f64,
     /// Width and height of the picture, pixels.
     pub resolution: [u32; 2],
     /// Shortest and longest wavelength rendered, m.
@@ -31,13 +33,22 @@ const GLASS: i32 = 10;
 const FOOT_GAP: f64 = 20e-6;
 
 impl GlassScene {
-    /// Quarter-litre tumblers, four fifths full, in a picture of 320 x 240, rendered from 380 to 775 nm.
+    /// One liquid in a quarter-litre tumbler on a grey table; several side by side in vials on a darker one. Four fifths
+    /// full, in a picture of 320 x 240, rendered from 380 to 775 nm.
+    ///
+    /// Vials, because what is compared should differ: a turbid liquid that fills a tumbler returns nearly all light it
+    /// does not absorb, and its colour is that of absorption alone. Through 8 mm some red and yellow gets out on the
+    /// other side where little scatters, and is lost on a dark table: protein turns bluish, skimmed milk greyer than
+    /// whole.
     pub fn new(liquids: Vec<(String, Medium)>, glass: Medium) -> Self {
+        let one = liquids.len() <= 1;
+        let shape = if one { DrinkingGlass::default() } else { DrinkingGlass::vial() };
         Self {
             liquids,
             glass,
-            shape: DrinkingGlass::default(),
-            level: 0.084,
+            shape,
+            level: 0.8 * shape.height,
+            table: if one { 0.27 } else { 0.15 },
             resolution: [320, 240],
             wavelength_range: (380e-9, 775e-9),
         }
@@ -70,7 +81,7 @@ pub fn glasses(wanted: &GlassScene) -> Result<Scene, SceneError> {
     }
     let row = pitch * (count - 1) as f64 + 2.0 * wanted.shape.outer_radius;
     let camera = camera(wanted, row)?;
-    let reach = 0.6 + row;
+    let reach = 6.0 * wanted.shape.height + row;
     let table = Surface { name: "table".into(), mesh: sweep(reach)?, reflectance: table_grey(wanted)? };
     let environment = studio()?;
     Ok(Scene { camera, environment, bodies, surfaces: vec![table], wavelength_range: wanted.wavelength_range })
@@ -81,7 +92,7 @@ fn camera(wanted: &GlassScene, row: f64) -> Result<Pinhole, SceneError> {
     let [width, height] = wanted.resolution.map(f64::from);
     let field_of_view: f64 = 24.0;
     let half = (0.5 * field_of_view.to_radians()).tan();
-    let across = 1.25 * row + 0.02;
+    let across = 1.25 * row + 0.6 * wanted.shape.outer_radius;
     let up = 1.62 * wanted.shape.height;
     let distance = (0.5 * up / half).max(0.5 * across / (half * width / height));
     let tilt: f64 = 20f64.to_radians();
@@ -112,12 +123,13 @@ fn sweep(reach: f64) -> Result<Mesh, SceneError> {
     Ok(Mesh::new(vertices, triangles, None)?)
 }
 
-/// A middling grey, a little warm.
+/// A grey, a little warm.
 fn table_grey(wanted: &GlassScene) -> Result<Sampled, SceneError> {
     let medium = |source| SceneError::Medium { name: "table".into(), source };
     let (low, high) = wanted.wavelength_range;
     let grid = WavelengthGrid::new(vec![100e-9, 400e-9, 550e-9, 700e-9, 10e-6]);
-    grid.and_then(|grid| Sampled::new(grid, vec![0.26, 0.26, 0.27, 0.28, 0.28])).map_err(|_| {
+    let grey = [0.96, 0.96, 1.0, 1.04, 1.04].map(|tint| (wanted.table * tint).min(1.0));
+    grid.and_then(|grid| Sampled::new(grid, grey.to_vec())).map_err(|_| {
         medium(crate::medium::MediumError::Range { what: "reflectance", known_m: (low, high), asked_m: (low, high) })
     })
 }
@@ -125,9 +137,9 @@ fn table_grey(wanted: &GlassScene) -> Result<Sampled, SceneError> {
 fn studio() -> Result<Environment, SceneError> {
     // Much light from one side, little from the others: turbid things show their colour only where light can leave
     // another way than it came. Under an even sky everything that absorbs nothing is white.
-    let dome = Dome { nadir: 0.18, horizon: 0.3, zenith: 0.5 };
-    let key = SoftBox::new([-0.8, -0.75, 0.8], [0.8, 0.8], 0.4, 1.6)?;
-    let fill = SoftBox::new([1.0, -0.3, 0.5], [0.35, 0.8], 0.5, 0.3)?;
+    let dome = Dome { nadir: 0.24, horizon: 0.4, zenith: 0.66 };
+    let key = SoftBox::new([-0.8, -0.75, 0.8], [0.8, 0.8], 0.4, 2.1)?;
+    let fill = SoftBox::new([1.0, -0.3, 0.5], [0.35, 0.8], 0.5, 0.4)?;
     Ok(Environment::daylight(Pattern::Studio(Studio::new(dome, vec![key, fill])?)))
 }
 
@@ -154,9 +166,9 @@ mod tests {
             assert!(prepared.camera_interior().is_empty());
             // In the middle of a glass is liquid, in its wall glass and liquid.
             let x = -0.5 * (count - 1) as f64 * 2.5 * wanted.shape.outer_radius;
-            assert_eq!(prepared.interior_at(glam::DVec3::new(x, 0.0, 0.05)).bodies(), [1]);
+            assert_eq!(prepared.interior_at(glam::DVec3::new(x, 0.0, 0.5 * wanted.level)).bodies(), [1]);
             let wall = x + wanted.shape.inner_radius() + 0.3 * wanted.shape.wall;
-            assert_eq!(prepared.interior_at(glam::DVec3::new(wall, 0.0, 0.05)).bodies(), [0, 1]);
+            assert_eq!(prepared.interior_at(glam::DVec3::new(wall, 0.0, 0.5 * wanted.level)).bodies(), [0, 1]);
         }
     }
 
