@@ -3,6 +3,8 @@
 //!
 //! `cargo bench -p mieux-optics --bench peers -- --workload NAME`, without a name all of them.
 
+#![allow(clippy::print_stdout)]
+
 use std::f64::consts::PI;
 use std::hint::black_box;
 
@@ -72,7 +74,7 @@ fn layers(sizes: &[f64], count: usize) -> (usize, f64) {
     let wave = vacuum();
     let layer = |x: f64, i: usize| Layer {
         radius: x * (i + 1) as f64 / count as f64,
-        index: if i % 2 == 0 { c(1.33, 0.001) } else { c(1.5, 0.01) },
+        index: if i.is_multiple_of(2) { c(1.33, 0.001) } else { c(1.5, 0.01) },
     };
     let sphere = |x: &f64| {
         let layers: Vec<Layer> = (0..count).map(|i| layer(*x, i)).collect();
@@ -85,7 +87,10 @@ fn layers(sizes: &[f64], count: usize) -> (usize, f64) {
     (spheres.len(), checksum(sizes, &extinction, &scattering))
 }
 
-fn time(name: &str, work: &dyn Fn() -> (usize, f64)) {
+/// How many spheres were computed, and a sum that shows what came out.
+type Work<'a> = dyn Fn() -> (usize, f64) + 'a;
+
+fn time(name: &str, work: &Work) {
     let (mut best, mut result) = (f64::INFINITY, (0, 0.0));
     for _ in 0..9 {
         let start = cpu_seconds();
@@ -104,7 +109,7 @@ fn main() {
     let (hundred, thousand) = (log_spaced(1.0, 100.0, 100_000), log_spaced(0.1, 1000.0, 100_000));
     let radii = log_spaced(1e-8, 1e-5, 1000);
     let (few, some) = (log_spaced(1.0, 100.0, 1000), log_spaced(1.0, 100.0, 10_000));
-    let workloads: [(&str, &dyn Fn() -> (usize, f64)); 9] = [
+    let workloads: [(&str, &Work); 9] = [
         ("spheres-100", &|| spheres(&hundred)),
         ("spheres-1000", &|| spheres(&thousand)),
         ("table-lossless", &|| table(&radii, 0.0)),

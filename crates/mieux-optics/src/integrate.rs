@@ -24,7 +24,7 @@ const KRONROD: [f64; 8] = [
 const GAUSS: [f64; 4] = [0.1294849661688697, 0.27970539148927664, 0.3818300505051189, 0.4179591836734694];
 
 /// Panels beyond which the integral is given up.
-const MAX_PANELS: usize = 4000;
+const MAX_PANELS: usize = 20_000;
 
 /// The integrals, and for each the error the rule believes it has made (usually a large overestimate).
 #[derive(Debug, Clone, Copy)]
@@ -43,12 +43,12 @@ struct Panel<const K: usize> {
 }
 
 /// Integrates `f` over consecutive panels between `knots`, halving panels until the error of every component is at most
-/// `tolerance * (|value| + floor)`. `f` is given many nodes at a time and appends as many values. `Ok(None)` when that
-/// takes more than [`MAX_PANELS`] panels.
+/// `tolerance * (|value| + floor)`, where `floor` is given the integrals found so far. `f` is given many nodes at a time and
+/// appends as many values. `Ok(None)` when that takes more than [`MAX_PANELS`] panels.
 pub(crate) fn integrate_many<const K: usize, E>(
     knots: &[f64],
     tolerance: f64,
-    floor: [f64; K],
+    floor: impl Fn(&[f64; K]) -> [f64; K],
     f: impl FnMut(&[f64], &mut Vec<[f64; K]>) -> Result<(), E>,
 ) -> Result<Option<Integral<K>>, E> {
     Ok(integrate_panels(knots, tolerance, floor, f)?.map(|(integral, _)| integral))
@@ -59,7 +59,7 @@ pub(crate) fn integrate_many<const K: usize, E>(
 pub(crate) fn integrate_panels<const K: usize, E>(
     knots: &[f64],
     tolerance: f64,
-    floor: [f64; K],
+    floor: impl Fn(&[f64; K]) -> [f64; K],
     mut f: impl FnMut(&[f64], &mut Vec<[f64; K]>) -> Result<(), E>,
 ) -> Result<Option<Converged<K>>, E> {
     let mut panels = Vec::with_capacity(2 * knots.len());
@@ -74,6 +74,7 @@ pub(crate) fn integrate_panels<const K: usize, E>(
         panels.extend(found.map(|(&(from, to), values)| Panel { from, to, integral: kronrod(to - from, values) }));
 
         let total = sum(&panels);
+        let floor = floor(&total.value);
         let allowed: [f64; K] = std::array::from_fn(|k| tolerance * (total.value[k].abs() + floor[k]));
         if (0..K).all(|k| total.error[k] <= allowed[k]) {
             let mut ends: Vec<[f64; 2]> = panels.iter().map(|panel| [panel.from, panel.to]).collect();
@@ -97,19 +98,24 @@ pub(crate) fn integrate_panels<const K: usize, E>(
     }
 }
 
-/// [`integrate_many`] with one node at a time.
+/// [`integrate_many`] with one node at a time and constant floors.
 pub(crate) fn integrate<const K: usize, E>(
     knots: &[f64],
     tolerance: f64,
     floor: [f64; K],
     mut f: impl FnMut(f64) -> Result<[f64; K], E>,
 ) -> Result<Option<Integral<K>>, E> {
-    integrate_many(knots, tolerance, floor, |nodes, values| {
-        for node in nodes {
-            values.push(f(*node)?);
-        }
-        Ok(())
-    })
+    integrate_many(
+        knots,
+        tolerance,
+        |_| floor,
+        |nodes, values| {
+            for node in nodes {
+                values.push(f(*node)?);
+            }
+            Ok(())
+        },
+    )
 }
 
 fn sum<const K: usize>(panels: &[Panel<K>]) -> Integral<K> {
@@ -214,7 +220,7 @@ mod tests {
             values.extend(nodes.iter().map(|x| [peak(*x)]));
             Ok::<_, Infallible>(())
         };
-        let (integral, panels) = integrate_panels(&[-1.0, 0.5, 1.0], 1e-10, [0.0], fill).unwrap().unwrap();
+        let (integral, panels) = integrate_panels(&[-1.0, 0.5, 1.0], 1e-10, |_| [0.0], fill).unwrap().unwrap();
         assert_eq!((panels[0][0], panels[panels.len() - 1][1]), (-1.0, 1.0));
         assert!(panels.windows(2).all(|pair| pair[0][1] == pair[1][0]) && panels.len() > 8);
         let sum: f64 = panels.iter().flat_map(|panel| rule(*panel)).map(|(x, w)| w * peak(x)).sum();

@@ -1,5 +1,7 @@
 //! Single particles against an arbitrary-precision evaluation of the series (`benches/oracle/mie_oracle.py`).
 
+#![allow(clippy::print_stdout)] // figures for whoever runs it with --nocapture
+
 use std::collections::BTreeMap;
 
 use mieux_optics::Complex64;
@@ -39,11 +41,8 @@ impl Case<'_> {
     /// By the definition of Mishchenko and Yang, unless that overflows.
     fn far_field(&self) -> Option<SphereScattering> {
         self.number("my_c_sca_m2").filter(|c| c.is_finite())?;
-        Some(
-            self.coefficients(self.wave().with_definition(ScatteringDefinition::MishchenkoYang2018))?
-                .scattering()
-                .ok()?,
-        )
+        let wave = self.wave().with_definition(ScatteringDefinition::MishchenkoYang2018);
+        self.coefficients(wave)?.scattering().ok()
     }
 
     fn coefficients(&self, wave: PlaneWave) -> Option<Coefficients> {
@@ -65,7 +64,7 @@ impl Case<'_> {
         };
         match sphere {
             Err(MieError::HostAbsorption { .. }) => None,
-            sphere => Some(sphere.expect(self.text("id"))),
+            sphere => Some(sphere.unwrap_or_else(|error| panic!("{}: {error}", self.text("id")))),
         }
     }
 }
@@ -83,7 +82,8 @@ impl Worst {
     fn meet(&mut self, case: &Case, name: &str, error: f64, condition: f64) {
         let forced = case.number(&format!("{name}_forced")).expect("a number");
         let ratio = error / FLOOR.max(FORCED * forced.max(0.5 * f64::EPSILON * condition));
-        if !(ratio <= self.ratio) {
+        // NaN is the worst of all.
+        if ratio > self.ratio || ratio.is_nan() {
             *self = Self { ratio, error, place: format!("{} {name} (forced {forced:e})", case.text("id")) };
         }
     }

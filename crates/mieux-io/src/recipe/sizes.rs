@@ -1,6 +1,8 @@
 //! Size distributions as written in a recipe.
 
-use mieux_optics::particle::{LogNormal, ParticleError, SizeDistribution, TransformedLogNormal, Weighting};
+use mieux_optics::particle::{
+    LogNormal, ModifiedGamma, ParticleError, SizeDistribution, TransformedLogNormal, Weighting,
+};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -22,12 +24,16 @@ pub(super) struct SizeSpec {
     geometric_deviation: Option<Spanned<f64>>,
     mean_ratio: Option<Spanned<f64>>,
     deviation_ratio: Option<Spanned<f64>>,
+    mode: Option<Spanned<String>>,
+    alpha: Option<Spanned<f64>>,
+    gamma: Option<Spanned<f64>>,
     minimum: Option<Spanned<String>>,
     maximum: Option<Spanned<String>>,
 }
 
 const KINDS: &str = "monodisperse (radius), log-normal (weighting; mean and deviation or coefficient_of_variation, \
                      or median and geometric_deviation; minimum, maximum), \
+                     modified-gamma (mode, alpha, gamma; minimum, maximum), \
                      transformed-log-normal (maximum, mean_ratio, deviation_ratio)";
 
 pub(super) fn size_distribution(
@@ -38,6 +44,7 @@ pub(super) fn size_distribution(
     match spec.get_ref().kind.get_ref().as_str() {
         "monodisperse" => reader.monodisperse(),
         "log-normal" => reader.log_normal(),
+        "modified-gamma" => reader.modified_gamma(),
         "transformed-log-normal" => reader.transformed_log_normal(),
         other => {
             let message = format!("there is no size distribution of the kind `{other}`");
@@ -88,10 +95,28 @@ impl Reader<'_> {
             }
             _ => return Err(self.whole("give either `mean` or `median`")),
         };
-        let minimum = spec.minimum.as_ref().map_or(Ok(0.0), |s| self.length("minimum", Some(s)))?;
-        let maximum = spec.maximum.as_ref().map_or(Ok(f64::INFINITY), |s| self.length("maximum", Some(s)))?;
+        let (minimum, maximum) = self.limits()?;
         let sizes = sizes.and_then(|s| s.truncated(minimum, maximum)).map_err(|e| self.whole(e))?;
         Ok(SizeDistribution::LogNormal(sizes))
+    }
+
+    fn modified_gamma(&self) -> Result<SizeDistribution, Box<TextError>> {
+        self.only(&["mode", "alpha", "gamma", "minimum", "maximum"])?;
+        let spec = self.spec.get_ref();
+        let mode = self.length("mode", spec.mode.as_ref())?;
+        let alpha = self.number("alpha", spec.alpha.as_ref())?;
+        let gamma = self.number("gamma", spec.gamma.as_ref())?;
+        let (minimum, maximum) = self.limits()?;
+        let sizes = ModifiedGamma::new(mode, alpha, gamma).and_then(|s| s.truncated(minimum, maximum));
+        Ok(SizeDistribution::ModifiedGamma(sizes.map_err(|e| self.whole(e))?))
+    }
+
+    /// Smallest and largest radius, m; nothing is cut off where they are not given.
+    fn limits(&self) -> Result<(f64, f64), Box<TextError>> {
+        let spec = self.spec.get_ref();
+        let minimum = spec.minimum.as_ref().map_or(Ok(0.0), |s| self.length("minimum", Some(s)))?;
+        let maximum = spec.maximum.as_ref().map_or(Ok(f64::INFINITY), |s| self.length("maximum", Some(s)))?;
+        Ok((minimum, maximum))
     }
 
     fn transformed_log_normal(&self) -> Result<SizeDistribution, Box<TextError>> {
@@ -128,12 +153,15 @@ impl Reader<'_> {
             ("mean", &spec.mean),
             ("deviation", &spec.deviation),
             ("median", &spec.median),
+            ("mode", &spec.mode),
             ("minimum", &spec.minimum),
             ("maximum", &spec.maximum),
         ];
         let numbers = [
             ("coefficient_of_variation", &spec.coefficient_of_variation),
             ("geometric_deviation", &spec.geometric_deviation),
+            ("alpha", &spec.alpha),
+            ("gamma", &spec.gamma),
             ("mean_ratio", &spec.mean_ratio),
             ("deviation_ratio", &spec.deviation_ratio),
         ];

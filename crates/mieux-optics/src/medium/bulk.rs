@@ -11,6 +11,9 @@ use crate::spectrum::{Sampled, SpectrumError, WavelengthGrid};
 /// Relative tolerance of the integral over radius unless another is asked for.
 pub const DEFAULT_TOLERANCE: f64 = 1e-4;
 
+/// Share of reduced scattering below which the integral over radius takes absorption for 0.
+const ABSORPTION_FLOOR: f64 = 1e-3;
+
 /// Optical properties of a bulk medium at one wavelength.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OpticsAt {
@@ -132,7 +135,8 @@ impl Medium {
     }
 
     /// Bulk optical properties at a vacuum wavelength (m), the integral over radius converged to `tolerance` (relative,
-    /// 1e-12 to 1; [`DEFAULT_TOLERANCE`] is plenty for pictures) in scattering, reduced scattering and absorption alike.
+    /// 1e-12 to 1; [`DEFAULT_TOLERANCE`] is plenty for pictures) in scattering, reduced scattering and absorption
+    /// alike, absorption to that or to 1e-3 of it times reduced scattering.
     ///
     /// Particles scatter independently of each other. Source: eq 27-33 of `frisvad2007`.
     ///
@@ -212,7 +216,7 @@ impl<'a> Scatterer<'a> {
         &mut self,
         knots: &[f64],
         tolerance: f64,
-        floor: [f64; 5],
+        floor: impl Fn(&[f64; 5]) -> [f64; 5],
     ) -> Result<Converged<5>, MediumError> {
         let inclusion = self.inclusion;
         integrate_panels(knots, tolerance, floor, |nodes, values| {
@@ -252,8 +256,13 @@ fn contribution(
         let [scattering, absorption, reduced, index_shift] = v;
         return Ok(Contribution { scattering, absorption, reduced, index_shift, error: [0.0; 3] });
     };
-    // Absorption need be no better than the host's share of it; the index no better than 1e-3 of the tolerance.
-    let floor = [0.0, host_absorption / fraction, 0.0, 1e-3 / (wavelength * fraction), 0.0];
+    // Absorption need be no better than the host's share of it, or than 1e-3 of reduced scattering, beside which nobody
+    // sees it (the resonances of nearly lossless droplets would cost a thousand times the rest); the index no better than
+    // 1e-3 of the tolerance.
+    let floor = |so_far: &[f64; 5]| {
+        let absorption = host_absorption / fraction * so_far[4] + ABSORPTION_FLOOR * so_far[2];
+        [0.0, absorption, 0.0, 1e-3 / (wavelength * fraction) * so_far[4], 0.0]
+    };
     let (integral, _) = scatterer.integrate(&knots, tolerance, floor)?;
     let scale = fraction / integral.value[4];
     let v = integral.value.map(|v| v * scale);

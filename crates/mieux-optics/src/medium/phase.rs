@@ -140,7 +140,7 @@ fn sample(
         None => vec![inclusion.sizes.volume_measure(0.0)],
         Some(knots) => {
             // Absorption and refraction have no part in this.
-            let floor = [0.0, f64::INFINITY, 0.0, f64::INFINITY, 0.0];
+            let floor = |_: &[f64; 5]| [0.0, f64::INFINITY, 0.0, f64::INFINITY, 0.0];
             let (_, panels) = scatterer.integrate(&knots, tolerance, floor)?;
             let size = |u: f64| TAU / wavelength * host.norm() * inclusion.sizes.volume_measure(u).0;
             let panels = panels.into_iter().flat_map(|[from, to]| {

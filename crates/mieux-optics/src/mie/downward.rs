@@ -129,11 +129,9 @@ fn descend<S: Simd, H: Host<S>>(
     run: usize,
     checkpoints: &mut Vec<Checkpoint<S, H::Wave>>,
 ) {
-    let (zero, one) = (constants.real(0.0), constants.real(1.0));
-    let (x0, x1) = (constants.x - constants.x, constants.x.mul(constants.inverse_x));
-    let psi = Descent::new([x0, x1, constants.inverse_x], one, [group.start[0], group.order], run);
-    let (y0, y1) = (Cx { re: zero, im: zero }, Cx { re: one, im: zero });
-    let p = Descent::new([y0, y1, constants.inverse_y], one, [group.start[1], group.order], run);
+    let (inverse_x, inverse_y) = (constants.inverse_x, constants.inverse_y);
+    let psi = Descent::new(constants.simd, inverse_x, [group.start[0], group.order], run);
+    let p = Descent::new(constants.simd, inverse_y, [group.start[1], group.order], run);
     // At the top, where terms no longer count, by their definition.
     let q = [p.here.times(constants.inverse_m), p.above.times(constants.inverse_m)];
     let magnetic = Descent {

@@ -143,6 +143,8 @@ impl<S: Simd> Sub for Cx<S> {
 
 /// What a wave in the host is made of: real numbers where the host is lossless, complex ones where it absorbs.
 pub(super) trait Wave<S: Simd>: Copy + Add<Output = Self> + Sub<Output = Self> {
+    /// A real number in every lane.
+    fn splat(simd: S, value: f64) -> Self;
     fn scale(self, factor: Re<S>) -> Self;
     fn mul(self, other: Self) -> Self;
     /// `self * factor - c`, the step of every three-term recurrence here.
@@ -160,6 +162,10 @@ pub(super) trait Wave<S: Simd>: Copy + Add<Output = Self> + Sub<Output = Self> {
 }
 
 impl<S: Simd> Wave<S> for Re<S> {
+    #[inline(always)]
+    fn splat(simd: S, value: f64) -> Self {
+        Re::splat(simd, value)
+    }
     #[inline(always)]
     fn scale(self, factor: Re<S>) -> Self {
         self * factor
@@ -196,6 +202,10 @@ impl<S: Simd> Wave<S> for Re<S> {
 }
 
 impl<S: Simd> Wave<S> for Cx<S> {
+    #[inline(always)]
+    fn splat(simd: S, value: f64) -> Self {
+        Cx { re: Re::splat(simd, value), im: Re::splat(simd, 0.0) }
+    }
     #[inline(always)]
     fn scale(self, factor: Re<S>) -> Self {
         factor.times(self)

@@ -72,7 +72,7 @@ impl<S: Simd, W: Wave<S>> Boundary<S, W> {
         let inverse = z.recip();
         let unit = Re::splat(simd, 1.0);
         let [_, chi] = H::start(simd, z, inverse);
-        let descent = Descent::new([z - z, z.mul(inverse), inverse], unit, [start, order], run);
+        let descent = Descent::new(simd, inverse, [start, order], run);
         let mut boundary = Self {
             inverse,
             descent,
@@ -305,7 +305,7 @@ pub(super) fn layered<S: Simd, H: Host<S>, K: Host<S, Wave = Cx<S>>>(
     let host = load(simd, &group.host_re, &group.host_im);
     let x = H::size_parameter(Re::load(simd, &last.k0r), host);
     let mut outside = Boundary::new::<H>(simd, x, group.start, group.order, run);
-    let unit = Cx { re: Re::splat(simd, 1.0), im: Re::splat(simd, 0.0) };
+    let unit = Wave::splat(simd, 1.0);
     let surface = Interface::new(load(simd, &last.re, &last.im), host, outside.inverse.times(unit));
 
     let mut first = 1;

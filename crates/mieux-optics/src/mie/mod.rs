@@ -47,17 +47,17 @@ pub enum ScatteringDefinition {
 /// Why a sphere could not be computed.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum MieError {
-    /// Radius or wavelength is not a positive finite length.
-    #[error("{name} {value_m} m is not a positive finite length")]
+    /// Radius or wavelength is not a length that numbers can carry.
+    #[error("{name} {value_m} m is not a length between 1e-30 m and 1e30 m")]
     Length {
         /// `radius` or `wavelength`.
         name: &'static str,
         /// What was given, m.
         value_m: f64,
     },
-    /// An index must have a positive real part, an imaginary part that is not negative and a modulus in 1e-6..1e6.
+    /// The real part of an index lies in 1e-6..=1e6, its imaginary part in 0..=1e6.
     #[error(
-        "refractive index {re}{im:+}i of the {name}: the real part must be positive, the imaginary part zero or more, the modulus between 1e-6 and 1e6"
+        "refractive index {re}{im:+}i of the {name}: the real part must lie between 1e-6 and 1e6, the imaginary part between 0 and 1e6"
     )]
     Index {
         /// `host` or `particle`.

@@ -29,13 +29,13 @@ pub(super) struct Descent<W> {
 impl<W> Descent<W> {
     /// At the order `from`, above which the solution counts as zero, down to the order `to`.
     #[inline(always)]
-    pub fn new<S: Simd>([zero, one, inverse]: [W; 3], unit: Re<S>, [from, to]: [usize; 2], run: usize) -> Self
+    pub fn new<S: Simd>(simd: S, inverse: W, [from, to]: [usize; 2], run: usize) -> Self
     where
         W: Wave<S>,
     {
-        let mut descent = Self { above: zero, here: one };
+        let mut descent = Self { above: W::splat(simd, 0.0), here: W::splat(simd, 1.0) };
         for n in (to + 1..=from).rev() {
-            descent.down(inverse, unit.same(2.0 * n as f64 + 1.0));
+            descent.down(inverse, Re::splat(simd, 2.0 * n as f64 + 1.0));
             if n % run == 0 {
                 descent.scale(descent.size().recip());
             }

@@ -31,7 +31,7 @@ impl Sphere {
     /// A sphere of radius `radius` (m) and refractive index `index` in a plane wave.
     ///
     /// # Errors
-    /// [`MieError`] when the radius is not positive and finite, the index outside the range it names, the modulus of the
+    /// [`MieError`] when the radius or the index is outside the range it names, the modulus of the
     /// size parameter outside 1e-8..1e7 in the host or outside 1e-10..1e9 inside the particle, or when the host absorbs more than
     /// `exp(-680)` across the particle, `exp(-340)` by the definition of Mishchenko and Yang.
     pub fn new(wave: PlaneWave, radius: f64, index: Complex64) -> Result<Self, MieError> {

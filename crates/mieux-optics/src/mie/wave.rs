@@ -194,11 +194,11 @@ impl PlaneWave {
 }
 
 pub(super) fn check_length(name: &'static str, value_m: f64) -> Result<(), MieError> {
-    if value_m > 0.0 && value_m.is_finite() { Ok(()) } else { Err(MieError::Length { name, value_m }) }
+    if (1e-30..=1e30).contains(&value_m) { Ok(()) } else { Err(MieError::Length { name, value_m }) }
 }
 
 pub(super) fn check_index(name: &'static str, n: Complex64) -> Result<(), MieError> {
-    let possible = n.re > 0.0 && n.im >= 0.0 && (1e-12..=1e12).contains(&n.norm_sqr());
+    let possible = (1e-6..=1e6).contains(&n.re) && (0.0..=1e6).contains(&n.im);
     if possible { Ok(()) } else { Err(MieError::Index { name, re: n.re, im: n.im }) }
 }
 

@@ -1,11 +1,15 @@
 //! How large the particles of an inclusion are.
 
 mod log_normal;
+mod modified_gamma;
 mod transformed_log_normal;
 
 use std::f64::consts::PI;
 
+use crate::integrate::integrate;
+
 pub use log_normal::{LogNormal, Weighting};
+pub use modified_gamma::ModifiedGamma;
 pub use transformed_log_normal::TransformedLogNormal;
 
 /// What can be wrong with a size distribution. All lengths in metres.
@@ -25,6 +29,9 @@ pub enum ParticleError {
         /// What was given.
         value: f64,
     },
+    /// Too many particles are vanishingly small for a mean over their number.
+    #[error("the particles have no mean volume: too many of them are vanishingly small")]
+    NoMeanVolume,
     /// The smallest radius must lie below the largest.
     #[error("radii from {minimum_m:e} m to {maximum_m:e} m: the minimum must be at least 0 and below the maximum")]
     Limits {
@@ -53,6 +60,8 @@ pub enum SizeDistribution {
     },
     /// Logarithm of the radius normally distributed.
     LogNormal(LogNormal),
+    /// Modified gamma distribution, as found for fogs and clouds.
+    ModifiedGamma(ModifiedGamma),
     /// `r / (r_max - r)` log-normally distributed, as found for casein micelles.
     TransformedLogNormal(TransformedLogNormal),
 }
@@ -66,11 +75,29 @@ impl SizeDistribution {
         Ok(Self::Monodisperse { radius_m: positive("radius", radius_m)? })
     }
 
+    /// Mean volume of a particle, m^3: times the number of particles per volume, the volume fraction.
+    ///
+    /// # Errors
+    /// [`ParticleError::NoMeanVolume`] when so many particles are vanishingly small that there is no such mean.
+    pub fn mean_volume(&self) -> Result<f64, ParticleError> {
+        let Some(knots) = self.knots() else { return Ok(sphere_volume(self.volume_measure(0.0).0)) };
+        let unit = sphere_volume(self.volume_measure(0.5 * (knots[0] + knots[knots.len() - 1])).0);
+        let integral = integrate(&knots, 1e-10, [0.0; 2], |u| {
+            let (radius, volume) = self.volume_measure(u);
+            Ok::<_, ParticleError>([volume, volume * unit / sphere_volume(radius)])
+        })?;
+        match integral {
+            Some(integral) if integral.value[1] > 0.0 => Ok(unit * integral.value[0] / integral.value[1]),
+            _ => Err(ParticleError::NoMeanVolume),
+        }
+    }
+
     /// Where to integrate: knots in an internal variable `u` for [`Self::volume_measure`]. `None` when monodisperse.
     pub(crate) fn knots(&self) -> Option<Vec<f64>> {
         match self {
             Self::Monodisperse { .. } => None,
             Self::LogNormal(d) => Some(d.knots()),
+            Self::ModifiedGamma(d) => Some(d.knots()),
             Self::TransformedLogNormal(d) => Some(d.knots()),
         }
     }
@@ -80,6 +107,7 @@ impl SizeDistribution {
         match self {
             Self::Monodisperse { radius_m } => (*radius_m, 1.0),
             Self::LogNormal(d) => d.volume_measure(u),
+            Self::ModifiedGamma(d) => d.volume_measure(u),
             Self::TransformedLogNormal(d) => d.volume_measure(u),
         }
     }

@@ -54,7 +54,7 @@ fn the_mean_cosine_is_that_of_the_bulk_and_the_integral_is_one() {
         ("fog", fog()),
     ];
     for (name, medium) in media {
-        // The bulk's absorption, which resonates, converges no further in a fog.
+        // Droplets of many sizes resonate, and take their time.
         let tolerance = if name == "fog" { 1e-3 } else { DEFAULT_TOLERANCE };
         let exact = 1.0 - medium.optics_at(GREEN, tolerance).unwrap().asymmetry;
         let table = table(&medium, tolerance);
