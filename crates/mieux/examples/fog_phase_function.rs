@@ -158,13 +158,13 @@ fn figure(cosines: &Cosines, distances: &[Distance]) -> Figure {
                 .with_series(Series::new("", over(&difference))),
         )
         .with_panel(
-            panel("Distance from Mie at 550 nm", "rms of log₁₀ p, over solid angle", Scale::LinearOver(0.0, 0.1))
+            panel("Distance from Mie at 550 nm", "rms of log₁₀ p, over solid angle", Scale::LinearOver(0.0, 0.6))
                 .with_series(Series::new("fog fit, sizes ± 10 %", of(|d| d.fit[0])))
                 .with_series(Series::new("HG of the same g", of(|d| d.lobe[0])))
                 .with_series(Series::new("fog fit, one size", of(|d| d.single[0]))),
         )
         .with_panel(
-            panel("Light that goes elsewhere", "Total variation", Scale::LinearOver(0.0, 0.1))
+            panel("Light that goes elsewhere", "Total variation", Scale::LinearOver(0.0, 0.6))
                 .with_series(Series::new("fog fit, sizes ± 10 %", of(|d| d.fit[1])))
                 .with_series(Series::new("HG of the same g", of(|d| d.lobe[1])))
                 .with_series(Series::new("fog fit, one size", of(|d| d.single[1]))),
