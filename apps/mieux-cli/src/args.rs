@@ -8,6 +8,7 @@ use mieux::io::recipe::{RecipeError, parse_setting};
 use mieux::jobs::{Optics, Render, Stop};
 
 use crate::mie::MieArgs;
+use crate::phase::PhaseArgs;
 
 /// What a material looks like, from what it is made of.
 #[derive(Parser)]
@@ -32,6 +33,8 @@ pub enum Command {
     /// Cross sections, efficiencies and asymmetry, and with `--angles` amplitudes and Mueller matrix, of a sphere, or with
     /// `--layer` a sphere with layers around it, in any host (Lorenz-Mie theory).
     Mie(MieArgs),
+    /// Compute how scattered light spreads over angle, and compare phase functions
+    Phase(PhaseArgs),
     /// Print a completion script for a shell
     Completions {
         /// Shell to complete for

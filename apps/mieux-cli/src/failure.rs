@@ -10,6 +10,8 @@ use mieux::jobs::JobError;
 #[derive(Debug)]
 pub enum Failure {
     Job(Box<JobError>),
+    /// Words that do not go together.
+    Usage(clap::Error),
     /// Standard output is gone or full.
     Output(std::io::Error),
 }
@@ -17,6 +19,12 @@ pub enum Failure {
 impl From<JobError> for Failure {
     fn from(error: JobError) -> Self {
         Self::Job(Box::new(error))
+    }
+}
+
+impl From<clap::Error> for Failure {
+    fn from(error: clap::Error) -> Self {
+        Self::Usage(error)
     }
 }
 
@@ -42,6 +50,11 @@ impl Failure {
             Self::Output(e) => {
                 eprintln!("Error: the result could not be printed: {e}");
                 return ExitCode::FAILURE;
+            }
+            Self::Usage(error) => {
+                // Where even the error cannot be printed, the code still says it.
+                let _ = error.print();
+                return ExitCode::from(2);
             }
             Self::Job(error) => error,
         };

@@ -3,6 +3,7 @@
 mod args;
 mod failure;
 mod mie;
+mod phase;
 mod progress;
 mod show;
 
@@ -41,6 +42,12 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
                 Report::Mie(report) => mie::show(&report, format)?,
                 Report::MieBatch(report) => mie::show_batch(&report)?,
                 _ => {}
+            }
+        }
+        Command::Phase(args) => {
+            let format = args.format;
+            if let Report::Phase(report) = run_job(&Job::Phase(args.job()?), format == Format::Table)? {
+                phase::show(&report, format)?;
             }
         }
         Command::Render(args) => {

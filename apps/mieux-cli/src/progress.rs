@@ -78,6 +78,7 @@ impl Bars {
             Stage::Spheres => {
                 (None, "mie     {bar:30} {human_pos} of about {human_len} particles, {per_sec}, {eta} left")
             }
+            Stage::Phase => (Some(1), "phase   {bar:30} {pos}/{len} functions"),
             Stage::Write => (None, "writing the results"),
         };
         let bar = ProgressBar::with_draw_target(length, target(self.shown));

@@ -145,6 +145,80 @@ fn a_table_of_spheres_goes_through() {
 }
 
 #[test]
+fn a_phase_function_prints_json_csv_and_a_table_and_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    let words = ["phase", "mie", "--diameter", "10um", "--compare", "hg,fog", "--angles", "0:180:1"];
+    let json = mieux(folder.path(), &[&words[..], &["--format", "json"]].concat());
+    let json: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert_eq!((&json["phase"], &json["comparisons"][0]["phase"]), (&"mie".into(), &"hg".into()));
+    for value in [&json, &json["comparisons"][0], &json["comparisons"][1]] {
+        assert_eq!(value["phase_per_sr"].as_array().unwrap().len(), 181);
+        assert_eq!(value["legendre_moments"].as_array().unwrap().len(), 9);
+        assert!(value["asymmetry"].is_f64());
+    }
+    assert_eq!(json["angle_deg"].as_array().unwrap().len(), 181);
+    assert!(json["comparisons"][0]["parameters"]["g"].is_f64() && json["comparisons"][1]["rms_log10"].is_f64());
+
+    let csv = text(&mieux(folder.path(), &[&words[..], &["--format", "csv"]].concat()).stdout);
+    assert!(csv.contains("\nangle_deg,phase_per_sr,hg_per_sr,fog_per_sr\n0,137"), "{csv}");
+    assert!(csv.contains("# fit hg: ") && csv.contains("# asymmetry: 0.8"), "{csv}");
+    let table = text(&mieux(folder.path(), &["phase", "hg", "--g", "0.9", "--moments", "3"]).stdout);
+    for part in ["Henyey-Greenstein (g = 0.9)", "1 0.9 0.81 0.729\n", "1/sr", "175"] {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+    let table = text(&mieux(folder.path(), &["phase", "whole-milk", "--set", "fat=1.5", "--compare", "hg"]).stdout);
+    for part in ["Whole milk at 550 nm", "hg fit", "light elsewhere"] {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+    let calm = text(&mieux(folder.path(), &["phase", "water", "--wavelength", "450nm"]).stdout);
+    assert!(calm.contains("scatters nothing"), "{calm}");
+    assert!(listing(folder.path()).is_empty());
+
+    let written = mieux(folder.path(), &[&words[..], &["-o", "out"]].concat());
+    assert!(written.status.success(), "{}", text(&written.stderr));
+    assert_eq!(listing(&folder.path().join("out")), ["phase-function.svg", "phase.csv", "phase.json"]);
+    let svg = std::fs::read_to_string(folder.path().join("out/phase-function.svg")).unwrap();
+    assert!(svg.contains("hg fit") && svg.contains("fog") && svg.len() < 600_000, "{}", svg.len());
+}
+
+#[test]
+fn bad_phase_functions_get_one_clear_error_and_write_nothing() {
+    let cases: &[(&[&str], &[&str])] = &[
+        (&["hg"], &["`hg` needs `--g`"]),
+        (&["hg", "--g", "1"], &["g = 1", "between -1 and 1"]),
+        (&["hg", "--g", "-1.5"], &["g = -1.5"]),
+        (&["hg", "--g", "0.5", "--diameter", "1um"], &["`--diameter` means nothing to `hg`"]),
+        (&["hg", "--g", "0.5", "--compare", "fog"], &["`fog` needs `--diameter`"]),
+        (&["hg", "--g", "0.5", "--keep-asymmetry"], &["--compare"]),
+        (&["double-hg", "--weight", "1.5", "--g1", "0.5", "--g2", "0"], &["weight 1.5"]),
+        (&["draine", "--g", "0.5", "--alpha", "-1"], &["alpha = -1"]),
+        (&["fog", "--diameter", "60um"], &["60 um", "at most 50 um"]),
+        (&["fog", "--diameter", "10"], &["`10` has no unit"]),
+        (&["fogg", "--diameter", "10um"], &["`fogg`", "did you mean `fog`"]),
+        (&["whole-mlk"], &["did you mean `whole-milk`"]),
+        (&["whole-milk", "--set", "sugar=1"], &["no input `sugar`"]),
+        (&["whole-milk", "--wavelength", "2um"], &["2000 nm is outside the data"]),
+        (&["nowhere.toml"], &["nowhere.toml", "cannot be read"]),
+        (&["fournier-forand", "--index", "1.1"], &["slope", "backward"]),
+        (&["fournier-forand", "--index", "1.1", "--slope", "6"], &["slope 6", "between 3 and 5"]),
+        (&["mie", "--diameter", "1um", "--particle", "1.5-1i"], &["--particle", "absorbs"]),
+        (&["mie", "--diameter", "1um", "--tolerance", "0"], &["tolerance 0", "1e-12"]),
+        (&["mie", "--diameter", "1um", "--moments", "1e9"], &["--moments"]),
+    ];
+    for (words, parts) in cases {
+        let folder = tempfile::tempdir().unwrap();
+        let output = mieux(folder.path(), &[&["phase"], *words].concat());
+        let error = flat(&output);
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {error}");
+        assert!(output.stdout.is_empty() && !error.contains("panicked"), "{words:?}: {error}");
+        for part in *parts {
+            assert!(error.contains(part), "{words:?}: wanted {part:?} in {error}");
+        }
+        assert!(listing(folder.path()).is_empty(), "{words:?}");
+    }
+}
+
+#[test]
 fn completions_know_the_commands() {
     let folder = tempfile::tempdir().unwrap();
     for shell in ["bash", "zsh", "fish"] {

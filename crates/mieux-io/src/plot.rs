@@ -8,6 +8,7 @@ mod axis;
 mod legend;
 mod mie;
 mod optics;
+mod phase;
 mod polar;
 
 use kuva::plot::line::LineStyle;
@@ -19,6 +20,7 @@ use kuva::render::plots::Plot;
 use axis::Axis;
 pub use mie::{SizePlot, efficiency_figure, phase_figure, polarisation_figure};
 pub use optics::{OpticsPlot, optics_figure, optics_svg};
+pub use phase::comparison_figure;
 pub use polar::PolarPanel;
 
 /// Colours that most people tell apart (Okabe and Ito), and dashes for those who do not.
@@ -220,9 +222,8 @@ fn draw_series(
     let has_errors = points.iter().any(|p| p.2 > 0.0);
     let single = points.len() == 1;
     if !single && !points.is_empty() {
-        let style = [LineStyle::Solid, LineStyle::Dashed, LineStyle::DashDot, LineStyle::Dotted][index % 4].clone();
         let mut line =
-            LinePlot::new().with_data(data()).with_color(colour).with_stroke_width(1.8).with_line_style(style);
+            LinePlot::new().with_data(data()).with_color(colour).with_stroke_width(1.8).with_line_style(dash(index));
         if has_errors {
             line = line.with_y_err_asymmetric(arms());
         }
@@ -242,6 +243,11 @@ fn draw_series(
         }
         plots.push(markers.into());
     }
+}
+
+/// How the line of a number is dashed.
+fn dash(index: usize) -> LineStyle {
+    [LineStyle::Solid, LineStyle::Dashed, LineStyle::DashDot, LineStyle::Dotted][index % 4].clone()
 }
 
 /// A text in which `$` is a dollar and not the start of a formula.

@@ -101,6 +101,9 @@ pub enum QuantityError {
 pub struct Length(f64);
 
 impl Length {
+    /// The wavelength of green light, 550 nm.
+    pub const GREEN: Self = Self(550e-9);
+
     /// Takes a length in metres.
     ///
     /// # Errors

@@ -33,6 +33,9 @@ pub(crate) struct Integral<const K: usize> {
     pub error: [f64; K],
 }
 
+/// Integrals, and the panels that were enough for them, ascending.
+pub(crate) type Converged<const K: usize> = (Integral<K>, Vec<[f64; 2]>);
+
 struct Panel<const K: usize> {
     from: f64,
     to: f64,
@@ -46,8 +49,19 @@ pub(crate) fn integrate_many<const K: usize, E>(
     knots: &[f64],
     tolerance: f64,
     floor: impl Fn(&[f64; K]) -> [f64; K],
-    mut f: impl FnMut(&[f64], &mut Vec<[f64; K]>) -> Result<(), E>,
+    f: impl FnMut(&[f64], &mut Vec<[f64; K]>) -> Result<(), E>,
 ) -> Result<Option<Integral<K>>, E> {
+    Ok(integrate_panels(knots, tolerance, floor, f)?.map(|(integral, _)| integral))
+}
+
+/// As [`integrate_many`], with the panels that were enough: [`rule`] on them is a rule for integrands like
+/// these.
+pub(crate) fn integrate_panels<const K: usize, E>(
+    knots: &[f64],
+    tolerance: f64,
+    floor: impl Fn(&[f64; K]) -> [f64; K],
+    mut f: impl FnMut(&[f64], &mut Vec<[f64; K]>) -> Result<(), E>,
+) -> Result<Option<Converged<K>>, E> {
     let mut panels = Vec::with_capacity(2 * knots.len());
     let mut halves: Vec<(f64, f64)> = knots.windows(2).map(|pair| (pair[0], pair[1])).collect();
     let (mut nodes, mut values) = (Vec::new(), Vec::new());
@@ -63,7 +77,9 @@ pub(crate) fn integrate_many<const K: usize, E>(
         let floor = floor(&total.value);
         let allowed: [f64; K] = std::array::from_fn(|k| tolerance * (total.value[k].abs() + floor[k]));
         if (0..K).all(|k| total.error[k] <= allowed[k]) {
-            return Ok(Some(total));
+            let mut ends: Vec<[f64; 2]> = panels.iter().map(|panel| [panel.from, panel.to]).collect();
+            ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            return Ok(Some((total, ends)));
         }
         if panels.len() >= MAX_PANELS || !total.error.iter().all(|e| e.is_finite()) {
             return Ok(None);
@@ -122,6 +138,12 @@ fn kronrod_nodes(from: f64, to: f64) -> [f64; NODE_COUNT] {
         let last = NODES.len() - 1;
         if i <= last { centre - half * NODES[i] } else { centre + half * NODES[2 * last - i] }
     })
+}
+
+/// Nodes and weights of the rule on a panel, ascending.
+pub(crate) fn rule([from, to]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
+    let weight = move |i: usize| 0.5 * (to - from) * KRONROD[i.min(NODE_COUNT - 1 - i)];
+    kronrod_nodes(from, to).into_iter().enumerate().map(move |(i, node)| (node, weight(i)))
 }
 
 /// From values at [`kronrod_nodes`] of a panel of the given width.
@@ -189,6 +211,20 @@ mod tests {
         let peak = integrate::<1, Infallible>(&[-1.0, 0.0, 1.0], 1e-10, [0.0], |x| Ok([1.0 / (1e-6 + x * x)]));
         let exact = 2.0 * 1e3 * (1e3f64).atan();
         assert!((peak.unwrap().unwrap().value[0] / exact - 1.0).abs() < 1e-10);
+    }
+
+    #[test]
+    fn the_panels_make_a_rule() {
+        let peak = |x: f64| 1.0 / (1e-6 + x * x);
+        let fill = |nodes: &[f64], values: &mut Vec<[f64; 1]>| {
+            values.extend(nodes.iter().map(|x| [peak(*x)]));
+            Ok::<_, Infallible>(())
+        };
+        let (integral, panels) = integrate_panels(&[-1.0, 0.5, 1.0], 1e-10, |_| [0.0], fill).unwrap().unwrap();
+        assert_eq!((panels[0][0], panels[panels.len() - 1][1]), (-1.0, 1.0));
+        assert!(panels.windows(2).all(|pair| pair[0][1] == pair[1][0]) && panels.len() > 8);
+        let sum: f64 = panels.iter().flat_map(|panel| rule(*panel)).map(|(x, w)| w * peak(x)).sum();
+        assert!((sum / integral.value[0] - 1.0).abs() < 1e-13);
     }
 
     #[test]

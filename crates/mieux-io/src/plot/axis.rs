@@ -31,7 +31,7 @@ impl Axis {
     pub fn horizontal(values: impl Iterator<Item = f64>, scale: Scale, log: bool) -> Self {
         let (low, high) = span(values);
         if log {
-            return Self::log(low, high);
+            return Self::log(low, high, 1.0);
         }
         if scale == Scale::ScatteringAngle {
             return Self { low: 0.0, high: 180.0, step: 30.0, log: false, style: TickStyle::Decimals(0) };
@@ -46,7 +46,7 @@ impl Axis {
     pub fn vertical(values: impl Iterator<Item = f64>, scale: Scale, log: bool) -> Self {
         let (low, high) = span(values);
         if log {
-            return Self::log(low, high);
+            return Self::log(low, high, 1.1);
         }
         let (asked_low, asked_high) = over(low, high, scale);
         let (low, high) = match scale {
@@ -61,12 +61,12 @@ impl Axis {
         Self { low, high, step, log: false, style: linear_style(low, high, step) }
     }
 
-    /// From a tick to a tick: kuva marks 1, 2 and 5 of every decade over up to three decades, else whole decades.
-    fn log(low: f64, high: f64) -> Self {
+    /// From a tick to a tick, with so much room beyond the data: kuva marks 1, 2 and 5 of every decade over up to three decades, else whole decades.
+    fn log(low: f64, high: f64, room: f64) -> Self {
         // Keeps clear of what a double cannot hold, above and below.
         let high = high.clamp(1e-280, 1e280);
         let low = low.max(high / LOG_REACH);
-        let room = if high / low < 2.0 { 1.5 } else { 1.1 };
+        let room = if high / low < 2.0 { 1.5 } else { room };
         let (mut low, mut high) = (tick_below(low / room), tick_above(high * room));
         if high / low > 900.0 {
             low = 10f64.powf((low.log10() + 1e-9).floor());
@@ -181,7 +181,7 @@ fn linear_style(low: f64, high: f64, step: f64) -> TickStyle {
 
 /// The largest of 1, 2, 5 times a power of ten that is not above `value`.
 fn tick_below(value: f64) -> f64 {
-    let power = 10f64.powf(value.log10().floor());
+    let power = 10f64.powf((value.log10() + 1e-9).floor());
     [5.0, 2.0].into_iter().map(|f| f * power).find(|t| *t <= value * (1.0 + 1e-9)).unwrap_or(power)
 }
 

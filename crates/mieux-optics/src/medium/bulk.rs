@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::{Inclusion, Medium, MediumError, absorption_coefficient};
-use crate::integrate::integrate_many;
+use crate::integrate::{Converged, integrate_panels};
 use crate::mie::{MieError, PlaneWave, Sphere, SphereScattering, scatter_spheres};
 use crate::particle::sphere_volume;
 use crate::spectrum::{Sampled, SpectrumError, WavelengthGrid};
@@ -171,7 +171,7 @@ impl Medium {
 }
 
 /// Cross sections of spheres of one inclusion.
-struct Scatterer<'a> {
+pub(super) struct Scatterer<'a> {
     inclusion: &'a Inclusion,
     wave: PlaneWave,
     particle: Complex64,
@@ -180,7 +180,7 @@ struct Scatterer<'a> {
 }
 
 impl<'a> Scatterer<'a> {
-    fn new(inclusion: &'a Inclusion, wavelength: f64, host: Complex64) -> Result<Self, MediumError> {
+    pub(super) fn new(inclusion: &'a Inclusion, wavelength: f64, host: Complex64) -> Result<Self, MediumError> {
         let particle = inclusion.substance.index(wavelength)?;
         let wave = PlaneWave::new(wavelength, host).map_err(|source| mie_error(inclusion, source))?;
         Ok(Self { inclusion, wave, particle, spheres: Vec::new(), scattering: Vec::new() })
@@ -188,7 +188,7 @@ impl<'a> Scatterer<'a> {
 
     /// Cross sections per volume of particle at every radius, in the order scattering, absorption, reduced scattering,
     /// `Im S(0)/k^2`.
-    fn per_volume(
+    pub(super) fn per_volume(
         &mut self,
         radii: impl Iterator<Item = f64> + Clone,
     ) -> Result<impl Iterator<Item = [f64; 4]>, MediumError> {
@@ -204,9 +204,37 @@ impl<'a> Scatterer<'a> {
             [s.scattering, s.absorption, s.scattering * (1.0 - s.asymmetry), s.forward.im].map(|v| v / volume)
         }))
     }
+
+    /// The spheres that [`Self::per_volume`] was last asked about, in their order.
+    pub(super) fn spheres(&self) -> &[Sphere] {
+        &self.spheres
+    }
+
+    /// Integrates what [`Self::per_volume`] gives, and the volume as a fifth, over all sizes. Also returns the panels that
+    /// were enough.
+    pub(super) fn integrate(
+        &mut self,
+        knots: &[f64],
+        tolerance: f64,
+        floor: impl Fn(&[f64; 5]) -> [f64; 5],
+    ) -> Result<Converged<5>, MediumError> {
+        let inclusion = self.inclusion;
+        integrate_panels(knots, tolerance, floor, |nodes, values| {
+            let measures = nodes.iter().map(|u| inclusion.sizes.volume_measure(*u));
+            let found = self.per_volume(measures.clone().map(|(radius, _)| radius))?;
+            let weighted = |(v, (_, m)): ([f64; 4], (f64, f64))| [v[0] * m, v[1] * m, v[2] * m, v[3] * m, m];
+            values.extend(found.zip(measures).map(weighted));
+            Ok::<_, MediumError>(())
+        })?
+        .ok_or_else(|| MediumError::NotConverged {
+            inclusion: inclusion.name.clone(),
+            tolerance,
+            wavelength_m: self.wave.wavelength(),
+        })
+    }
 }
 
-fn mie_error(inclusion: &Inclusion, source: MieError) -> MediumError {
+pub(super) fn mie_error(inclusion: &Inclusion, source: MieError) -> MediumError {
     MediumError::Mie { inclusion: inclusion.name.clone(), source }
 }
 
@@ -235,18 +263,7 @@ fn contribution(
         let absorption = host_absorption / fraction * so_far[4] + ABSORPTION_FLOOR * so_far[2];
         [0.0, absorption, 0.0, 1e-3 / (wavelength * fraction) * so_far[4], 0.0]
     };
-    let integral = integrate_many(&knots, tolerance, floor, |nodes, values| {
-        let measures = nodes.iter().map(|u| inclusion.sizes.volume_measure(*u));
-        let found = scatterer.per_volume(measures.clone().map(|(radius, _)| radius))?;
-        let weighted = |(v, (_, m)): ([f64; 4], (f64, f64))| [v[0] * m, v[1] * m, v[2] * m, v[3] * m, m];
-        values.extend(found.zip(measures).map(weighted));
-        Ok::<_, MediumError>(())
-    })?
-    .ok_or_else(|| MediumError::NotConverged {
-        inclusion: inclusion.name.clone(),
-        tolerance,
-        wavelength_m: wavelength,
-    })?;
+    let (integral, _) = scatterer.integrate(&knots, tolerance, floor)?;
     let scale = fraction / integral.value[4];
     let v = integral.value.map(|v| v * scale);
     let error = [0, 1, 2].map(|k| integral.error[k] * scale + v[k].abs() * integral.error[4] / integral.value[4]);

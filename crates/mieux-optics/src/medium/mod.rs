@@ -1,6 +1,7 @@
 //! A host with populations of particles in it, and the bulk optical properties that follow.
 
 mod bulk;
+mod phase;
 
 use num_complex::Complex64;
 
@@ -8,6 +9,7 @@ pub use bulk::{BulkOptics, DEFAULT_TOLERANCE, OpticsAt};
 
 use crate::mie::MieError;
 use crate::particle::SizeDistribution;
+use crate::phase::PhaseError;
 use crate::spectrum::{SpectrumError, nanometres};
 use crate::substance::{Substance, SubstanceError};
 
@@ -78,6 +80,9 @@ pub enum MediumError {
     /// Computed values that are no spectrum; says where.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
+    /// A phase function that cannot be tabulated.
+    #[error("phase function: {0}")]
+    Phase(#[from] PhaseError),
 }
 
 impl Medium {

@@ -10,6 +10,7 @@ use mieux_io::rows::RowsError;
 use mieux_io::table::TableError;
 use mieux_optics::medium::MediumError;
 use mieux_optics::mie::MieError;
+use mieux_optics::phase::PhaseError;
 use mieux_optics::spectrum::SpectrumError;
 use mieux_render::render::RenderError;
 
@@ -42,6 +43,12 @@ pub enum JobError {
         /// The outer radius of the one below.
         below: Length,
     },
+    /// A phase function that is none.
+    #[error(transparent)]
+    Phase(#[from] PhaseError),
+    /// Fournier and Forand's function has one parameter besides the index.
+    #[error("fournier-forand takes either the slope of the size distribution or the share scattered backward")]
+    SlopeOrBackscatter,
     /// A table too long for memory.
     #[error(transparent)]
     Rows(#[from] RowsError),

@@ -11,6 +11,8 @@ pub enum Stage {
     Render,
     /// Computing particles; counted in particles, their total being estimated from the size of a file.
     Spheres,
+    /// Computing phase functions; counted in functions.
+    Phase,
     /// Writing files; counted in files.
     Write,
 }

@@ -6,6 +6,7 @@ mod error;
 mod event;
 mod mie;
 mod optics;
+mod phase;
 mod render;
 mod sheet;
 
@@ -15,6 +16,7 @@ pub use error::JobError;
 pub use event::{Context, Event, Stage};
 pub use mie::{Coat, Definition, Directional, Mie, MieBatch, MieBatchReport, MieReport, MieSheet, Particle};
 pub use optics::{Optics, OpticsReport};
+pub use phase::{Comparand, Compared, FitKind, Named, Phase, PhaseModel, PhaseReport, PhaseSheet};
 pub use render::{Render, RenderReport, Stop};
 pub use sheet::{Made, OpticsSheet};
 
@@ -30,6 +32,8 @@ pub enum Job {
     Mie(Mie),
     /// Light and a table of spheres.
     MieBatch(MieBatch),
+    /// How scattered light spreads over angle.
+    Phase(Phase),
 }
 
 /// What a job leaves besides its files.
@@ -43,6 +47,8 @@ pub enum Report {
     Mie(Box<MieReport>),
     /// Of [`Job::MieBatch`].
     MieBatch(Box<MieBatchReport>),
+    /// Of [`Job::Phase`].
+    Phase(Box<PhaseReport>),
 }
 
 impl Job {
@@ -56,6 +62,7 @@ impl Job {
             Self::Render(job) => job.run(context).map(|report| Report::Render(Box::new(report))),
             Self::Mie(job) => job.run(context).map(|report| Report::Mie(Box::new(report))),
             Self::MieBatch(job) => job.run(context).map(|report| Report::MieBatch(Box::new(report))),
+            Self::Phase(job) => job.run(context).map(|report| Report::Phase(Box::new(report))),
         }
     }
 }

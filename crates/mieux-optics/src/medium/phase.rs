@@ -1,0 +1,186 @@
+//! Phase functions of media: the mean of those of single spheres, each by how much it scatters.
+//!
+//! Source: eq 31 and 32 of `frisvad2007`.
+
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+
+use super::bulk::{Scatterer, mie_error};
+use super::{Inclusion, Medium, MediumError};
+use crate::Complex64;
+use crate::integrate::rule;
+use crate::mie::{Directions, Sphere};
+use crate::phase::{AngleGrid, Isotropic, PhaseError, PhaseFunction, SpectralPhase, Tabulated};
+use crate::spectrum::WavelengthGrid;
+
+/// Bins to a period of the largest sphere's oscillation over angle, to begin with.
+const BINS_PER_PERIOD: f64 = 8.0;
+
+/// Widest panel of the rule over sizes, in size parameters: the light at one angle has interference fringes over size,
+/// two of them to such a panel towards backward, of which the integral over angle knows nothing.
+const WIDEST_PANEL: f64 = 4.0;
+
+/// Grids that are tried before giving up.
+const ATTEMPTS: usize = 4;
+
+/// Spheres that are added up by themselves; fixed, so that results do not depend on the number of threads.
+const BATCH: usize = 16;
+
+/// One of the spheres that stand for a medium.
+#[derive(Clone, Copy)]
+struct Member {
+    sphere: Sphere,
+    /// Scattering coefficient due to spheres like it, 1/m, and the same reduced by `1 - g`.
+    scattering: f64,
+    reduced: f64,
+    /// Modulus of its size parameter.
+    size: f64,
+    /// Its inclusion among those of the medium.
+    inclusion: usize,
+}
+
+impl Medium {
+    /// Phase function at a vacuum wavelength (m): the mean of the exact phase functions of all spheres, weighted by how
+    /// much each scatters, as a table over angle; isotropic where nothing scatters.
+    ///
+    /// The integral over radius is converged to `tolerance` (relative, 1e-12 to 1) in scattering and reduced scattering
+    /// as [`Self::optics_at`] does it, and `1 - g` of the table is within half of that of what the coefficients
+    /// say. The time for clear droplets in air of many sizes, which resonate, is inverse to the tolerance: a second at
+    /// 1e-3 for a fog.
+    ///
+    /// # Errors
+    /// As for [`Self::optics_at`], or [`MediumError::Phase`] when no grid of angles reaches the tolerance.
+    pub fn phase_at(&self, wavelength: f64, tolerance: f64) -> Result<PhaseFunction, MediumError> {
+        let members = self.members(wavelength, tolerance)?;
+        let Some(largest) = largest_size(&members, tolerance) else { return Ok(Isotropic.into()) };
+        let [scattering, reduced] =
+            members.iter().fold([0.0; 2], |[s, r], member| [s + member.scattering, r + member.reduced]);
+        // The other half is left to the integral over radius.
+        let wanted = 0.5 * tolerance;
+        let mut bins_per_period = BINS_PER_PERIOD;
+        let mut reached = f64::INFINITY;
+        for _ in 0..ATTEMPTS {
+            let grid = AngleGrid::graded(largest, bins_per_period)?;
+            let values = self.values(&members, &grid)?;
+            let table = Tabulated::new(grid.as_slice().to_vec(), values)?;
+            reached = (table.one_minus_asymmetry() * scattering / reduced - 1.0).abs();
+            if reached <= wanted {
+                return Ok(table.into());
+            }
+            // The error falls with the square of the width of a bin.
+            bins_per_period *= (1.2 * (reached / wanted).sqrt()).clamp(1.5, 8.0);
+        }
+        Err(PhaseError::Tolerance { reached, wanted }.into())
+    }
+
+    /// [`Self::phase_at`] for every wavelength of a grid.
+    ///
+    /// # Errors
+    /// As for [`Self::phase_at`].
+    pub fn spectral_phase(&self, grid: &WavelengthGrid, tolerance: f64) -> Result<SpectralPhase, MediumError> {
+        let functions: Result<Vec<_>, _> = grid.iter().map(|wavelength| self.phase_at(wavelength, tolerance)).collect();
+        Ok(SpectralPhase::new(grid.clone(), functions?)?)
+    }
+
+    /// Spheres that stand for all sizes of all inclusions; those that hardly scatter are left out.
+    fn members(&self, wavelength: f64, tolerance: f64) -> Result<Vec<Member>, MediumError> {
+        if !(1e-12..=1.0).contains(&tolerance) {
+            return Err(MediumError::Tolerance { tolerance });
+        }
+        let host = self.host().index(wavelength)?;
+        let mut members = Vec::new();
+        for (i, inclusion) in self.inclusions().iter().enumerate() {
+            sample(inclusion, i, wavelength, host, tolerance, &mut members)?;
+        }
+        let total: f64 = members.iter().map(|member| member.scattering).sum();
+        let negligible = 1e-3 * tolerance * total / members.len() as f64;
+        members.retain(|member| member.scattering > negligible);
+        Ok(members)
+    }
+
+    /// The sum of scattering coefficients times phase functions, at the angles of a grid.
+    fn values(&self, members: &[Member], grid: &AngleGrid) -> Result<Vec<f64>, MediumError> {
+        let angles = grid.as_slice();
+        let last = angles.len() - 1;
+        // Graded grids are mirrored about 90 degrees; exact mirror images share their work.
+        let cosine = |i: usize| if 2 * i > last { -angles[last - i].cos() } else { angles[i].cos() };
+        let directions = Directions::new((0..=last).map(|i| if 2 * i == last { 0.0 } else { cosine(i) }));
+        let sums: Result<Vec<Vec<f64>>, MediumError> = members
+            .par_chunks(BATCH)
+            .map(|batch| {
+                let mut sum = vec![0.0; angles.len()];
+                for member in batch {
+                    let phase = member.sphere.coefficients().phase_function(&directions);
+                    let phase = phase.map_err(|source| mie_error(&self.inclusions()[member.inclusion], source))?;
+                    sum.iter_mut().zip(phase).for_each(|(sum, p)| *sum += member.scattering * p);
+                }
+                Ok(sum)
+            })
+            .collect();
+        let mut total = vec![0.0; angles.len()];
+        for sum in sums? {
+            total.iter_mut().zip(sum).for_each(|(total, s)| *total += s);
+        }
+        Ok(total)
+    }
+}
+
+/// Appends the spheres at the nodes of a rule for the integral over the sizes of one inclusion.
+fn sample(
+    inclusion: &Inclusion,
+    place: usize,
+    wavelength: f64,
+    host: Complex64,
+    tolerance: f64,
+    members: &mut Vec<Member>,
+) -> Result<(), MediumError> {
+    let mut scatterer = Scatterer::new(inclusion, wavelength, host)?;
+    let nodes: Vec<(f64, f64)> = match inclusion.sizes.knots() {
+        None => vec![inclusion.sizes.volume_measure(0.0)],
+        Some(knots) => {
+            // Absorption and refraction have no part in this.
+            let floor = |_: &[f64; 5]| [0.0, f64::INFINITY, 0.0, f64::INFINITY, 0.0];
+            let (_, panels) = scatterer.integrate(&knots, tolerance, floor)?;
+            let size = |u: f64| TAU / wavelength * host.norm() * inclusion.sizes.volume_measure(u).0;
+            let panels = panels.into_iter().flat_map(|[from, to]| {
+                let parts = ((size(to) - size(from)) / WIDEST_PANEL).ceil().clamp(1.0, 1e4) as u32;
+                let at = move |i: u32| from + (to - from) * f64::from(i) / f64::from(parts);
+                (0..parts).map(move |i| [at(i), at(i + 1)])
+            });
+            let measure = |(u, weight): (f64, f64)| {
+                let (radius, measure) = inclusion.sizes.volume_measure(u);
+                (radius, weight * measure)
+            };
+            panels.flat_map(rule).map(measure).collect()
+        }
+    };
+    let volume: f64 = nodes.iter().map(|(_, measure)| measure).sum();
+    let found: Vec<[f64; 4]> = scatterer.per_volume(nodes.iter().map(|(radius, _)| *radius))?.collect();
+    members.extend(scatterer.spheres().iter().zip(&found).zip(&nodes).map(|((sphere, found), (radius, measure))| {
+        let size = TAU * radius * host.norm() / wavelength;
+        let amount = inclusion.volume_fraction * measure / volume;
+        let [scattering, _, reduced, _] = found.map(|v| v * amount);
+        Member { sphere: *sphere, scattering, reduced, size, inclusion: place }
+    }));
+    Ok(())
+}
+
+/// The size parameter beyond which there is no more than the share `tolerance` of the scattering; `None` without any
+/// scattering.
+fn largest_size(members: &[Member], tolerance: f64) -> Option<f64> {
+    let total: f64 = members.iter().map(|member| member.scattering).sum();
+    let mut order: Vec<&Member> = members.iter().collect();
+    order.sort_by(|a, b| b.size.total_cmp(&a.size));
+    let mut above = 0.0;
+    for member in order {
+        above += member.scattering;
+        if above > tolerance.min(0.5) * total {
+            return Some(member.size);
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests;

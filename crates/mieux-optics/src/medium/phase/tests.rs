@@ -1,0 +1,172 @@
+use std::f64::consts::PI;
+
+use super::*;
+use crate::material::milk::Milk;
+use crate::medium::DEFAULT_TOLERANCE;
+use crate::mie::PlaneWave;
+use crate::particle::{LogNormal, SizeDistribution, Weighting};
+use crate::phase::{Rayleigh, compare};
+use crate::substance::Substance;
+
+const GREEN: f64 = 550e-9;
+const AIR: Substance = Substance::Constant(Complex64::new(1.0, 0.0));
+
+fn milk(fat: f64, protein: f64) -> Medium {
+    Milk::new([fat, protein, 20.0, 0.17]).unwrap().medium().unwrap()
+}
+
+fn water() -> Substance {
+    Substance::named("water", 20.0).unwrap()
+}
+
+fn droplets(sizes: SizeDistribution) -> Medium {
+    let droplets = Inclusion { name: "droplets".into(), substance: water(), sizes, volume_fraction: 1e-6 };
+    Medium::new(AIR, vec![droplets]).unwrap()
+}
+
+fn droplet(diameter_m: f64) -> Medium {
+    droplets(SizeDistribution::monodisperse(0.5 * diameter_m).unwrap())
+}
+
+/// Median radius and geometric deviation by number of a fog.
+const FOG: (f64, f64) = (4e-6, 1.4);
+
+fn fog() -> Medium {
+    droplets(SizeDistribution::LogNormal(LogNormal::from_median(Weighting::Number, FOG.0, FOG.1).unwrap()))
+}
+
+fn table(medium: &Medium, tolerance: f64) -> Tabulated {
+    match medium.phase_at(GREEN, tolerance).unwrap() {
+        PhaseFunction::Tabulated(table) => table,
+        other => panic!("{other}"),
+    }
+}
+
+/// Against the coefficients, which know of no angle; and a sum over angle that the table has no part in.
+#[test]
+fn the_mean_cosine_is_that_of_the_bulk_and_the_integral_is_one() {
+    let media = [
+        ("fat", milk(3.5, 0.0)),
+        ("casein", milk(0.0, 3.4)),
+        ("both", milk(3.5, 3.4)),
+        ("droplet of 50 um", droplet(50e-6)),
+        ("droplet of 100 um", droplet(100e-6)),
+        ("fog", fog()),
+    ];
+    for (name, medium) in media {
+        // Droplets of many sizes resonate, and take their time.
+        let tolerance = if name == "fog" { 1e-3 } else { DEFAULT_TOLERANCE };
+        let exact = 1.0 - medium.optics_at(GREEN, tolerance).unwrap().asymmetry;
+        let table = table(&medium, tolerance);
+        let error = table.one_minus_asymmetry() / exact - 1.0;
+        assert!(error.abs() < 1e-3, "{name}: {error:e}");
+        let values: Vec<f64> = table.grid().as_slice().iter().map(|theta| table.value(theta.cos())).collect();
+        let simpson = |i: usize| {
+            let theta = &table.grid().as_slice()[i..=i + 1];
+            let middle: f64 = 0.5 * (theta[0] + theta[1]);
+            let f =
+                [values[i] * theta[0].sin(), table.value(middle.cos()) * middle.sin(), values[i + 1] * theta[1].sin()];
+            (theta[1] - theta[0]) / 6.0 * (f[0] + 4.0 * f[1] + f[2])
+        };
+        let integral = 2.0 * PI * (0..values.len() - 1).map(simpson).sum::<f64>();
+        assert!((integral - 1.0).abs() < 1e-4, "{name}: {integral}");
+    }
+}
+
+/// The size integral by brute force: the distribution by number over equal steps of the logarithm.
+#[test]
+fn fog_is_the_mean_over_its_droplets() {
+    let index = water().index(GREEN).unwrap();
+    let wave = PlaneWave::new(GREEN, Complex64::ONE).unwrap();
+    let degrees = [0.0f64, 0.5, 2.0, 10.0, 40.0, 90.0, 120.0, 138.0, 150.0, 165.0, 178.0, 179.0, 180.0];
+    let directions = Directions::new(degrees.map(|angle| angle.to_radians().cos()));
+    let (mut mean, mut total) = ([0.0; 13], 0.0);
+    let steps = 12_000;
+    for i in 0..=steps {
+        let z = -4.0 + 10.0 * f64::from(i) / f64::from(steps);
+        let radius = FOG.0 * (FOG.1.ln() * z).exp();
+        let coefficients = Sphere::new(wave, radius, index).unwrap().coefficients();
+        let scattering = (-0.5 * z * z).exp() * coefficients.scattering().unwrap().scattering;
+        total += scattering;
+        for (mean, p) in mean.iter_mut().zip(coefficients.phase_function(&directions).unwrap()) {
+            *mean += scattering * p;
+        }
+    }
+    let table = table(&fog(), 1e-3);
+    for (mean, angle) in mean.iter().zip(degrees) {
+        let error = table.value(angle.to_radians().cos()) * total / mean - 1.0;
+        assert!(error.abs() < 5e-3, "{angle} degrees: {error:e}");
+    }
+}
+
+#[test]
+fn a_tighter_tolerance_gives_the_same_function() {
+    for medium in [milk(3.5, 3.4), fog()] {
+        let loose = medium.phase_at(GREEN, 1e-2).unwrap();
+        let tight = medium.phase_at(GREEN, 1e-3).unwrap();
+        let apart = compare(&tight, &loose);
+        assert!(apart.rms_log10 < 5e-3 && apart.total_variation < 2e-3, "{apart:?}");
+        assert!(apart.delta_asymmetry.abs() < 1e-2 * (1.0 - tight.asymmetry()), "{apart:?}");
+    }
+}
+
+#[test]
+fn two_inclusions_are_weighted_by_what_they_scatter() {
+    let inclusion = |radius_m, volume_fraction| Inclusion {
+        name: "spheres".into(),
+        substance: Substance::Constant(Complex64::new(1.5, 1e-4)),
+        sizes: SizeDistribution::monodisperse(radius_m).unwrap(),
+        volume_fraction,
+    };
+    let medium = |inclusions: &[Inclusion]| Medium::new(water(), inclusions.to_vec()).unwrap();
+    let parts = [inclusion(50e-9, 0.2), inclusion(1e-6, 1e-3)];
+    let both = medium(&parts).phase_at(GREEN, 1e-5).unwrap();
+    let each = parts.map(|part| {
+        let medium = medium(&[part]);
+        (medium.optics_at(GREEN, 1e-5).unwrap().sigma_s, medium.phase_at(GREEN, 1e-5).unwrap())
+    });
+    let total = each[0].0 + each[1].0;
+    assert!(each.iter().all(|(sigma_s, _)| *sigma_s > 0.1 * total));
+    for mu in [-1.0, -0.7, 0.0, 0.4, 0.9, 1.0] {
+        let mean = each.iter().map(|(sigma_s, phase)| sigma_s * phase.value(mu)).sum::<f64>() / total;
+        assert!((both.value(mu) / mean - 1.0).abs() < 1e-3, "{mu}");
+    }
+}
+
+#[test]
+fn small_particles_scatter_as_rayleigh_says_and_nothing_not_at_all() {
+    let small = droplet(2e-9).phase_at(GREEN, 1e-5).unwrap();
+    for mu in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+        assert!((small.value(mu) / Rayleigh.value(mu) - 1.0).abs() < 1e-3, "{mu}");
+    }
+    assert_eq!(milk(0.0, 0.0).phase_at(GREEN, 1e-4).unwrap(), Isotropic.into());
+}
+
+#[test]
+fn the_number_of_threads_does_not_matter() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    let medium = milk(1.5, 3.4);
+    assert_eq!(medium.phase_at(GREEN, 1e-3).unwrap(), pool.install(|| medium.phase_at(GREEN, 1e-3)).unwrap());
+}
+
+#[test]
+fn a_spectrum_has_a_function_for_every_wavelength() {
+    let grid = WavelengthGrid::new(vec![450e-9, 650e-9]).unwrap();
+    let medium = milk(0.0, 3.4);
+    let spectral = medium.spectral_phase(&grid, 1e-4).unwrap();
+    let bulk = medium.bulk_optics(&grid, 1e-4).unwrap();
+    for (phase, g) in spectral.functions().iter().zip(bulk.asymmetry()) {
+        assert!((phase.asymmetry() - g).abs() < 1e-3 * (1.0 - g));
+    }
+    assert!(spectral.asymmetry(550e-9).is_some() && spectral.asymmetry(700e-9).is_none());
+}
+
+#[test]
+fn what_cannot_be_computed_says_so() {
+    for tolerance in [0.0, 1e-13, 2.0, f64::NAN] {
+        assert!(matches!(droplet(1e-6).phase_at(GREEN, tolerance), Err(MediumError::Tolerance { .. })));
+    }
+    assert!(matches!(droplet(1e-6).phase_at(2e-6, 1e-4), Err(MediumError::Substance(_))));
+    assert!(matches!(droplet(1.0).phase_at(GREEN, 1e-4), Err(MediumError::Phase(_) | MediumError::Mie { .. })));
+    assert!(droplet(1e-6).phase_at(GREEN, 1.0).is_ok());
+}
