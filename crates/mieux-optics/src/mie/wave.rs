@@ -153,7 +153,7 @@ impl PlaneWave {
         let (extinction, scattering, absorption);
         if scaled {
             extinction = amplitude.re + displaced;
-            scattering = sums.scattering * self.scaled_surface(2.0 * x.im);
+            scattering = sums.scattering * self.surface(2.0 * x.im, true).0;
             absorption = extinction - scattering;
             let error = f64::EPSILON * sums.size * (2.0 * x.im).exp() / extinction.abs();
             if error > MAX_ERROR {
@@ -198,14 +198,6 @@ impl PlaneWave {
                 let surface = surface_excess(alpha);
                 surface + (1.0 + surface) * (-2.0 * alpha).exp_m1()
             }
-        }
-    }
-
-    /// The same, not less 1, for the sum of squared moduli of scaled coefficients.
-    fn scaled_surface(&self, alpha: f64) -> f64 {
-        match self.definition {
-            ScatteringDefinition::MishchenkoYang2018 => (2.0 * alpha).exp(),
-            ScatteringDefinition::Frisvad2007 => 1.0 + surface_excess(alpha),
         }
     }
 }
