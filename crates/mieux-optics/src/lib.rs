@@ -19,6 +19,7 @@ pub mod particle;
 pub mod phase;
 pub mod spectrum;
 pub mod substance;
+pub mod transfer;
 
 mod integrate;
 

@@ -1,29 +1,7 @@
 //! Smooth surfaces between clear or turbid media: how much light is reflected, and where it goes.
 
 use glam::DVec3;
-
-/// Share of unpolarised light reflected at a smooth surface (Fresnel; `born1999` section 1.5).
-///
-/// | | |
-/// |---|---|
-/// | `cos_i` | cosine of incidence against the normal, in [0, 1] |
-/// | `eta` | index beyond the surface over index before it, > 0; real parts |
-///
-/// In [0, 1]; exactly 0 for `eta = 1`, exactly 1 where no light is refracted.
-#[inline]
-pub fn dielectric_reflectance(cos_i: f64, eta: f64) -> f64 {
-    if eta == 1.0 {
-        return 0.0;
-    }
-    let sin2_t = (1.0 - cos_i * cos_i).max(0.0) / (eta * eta);
-    if sin2_t >= 1.0 {
-        return 1.0;
-    }
-    let cos_t = (1.0 - sin2_t).sqrt();
-    let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-    let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    (0.5 * (parallel * parallel + perpendicular * perpendicular)).min(1.0)
-}
+pub use mieux_optics::transfer::fresnel::dielectric_reflectance;
 
 /// The mirrored direction at a surface whose unit normal faces the incoming ray (`direction . normal <= 0`).
 #[inline]
@@ -49,35 +27,6 @@ pub fn refract(direction: DVec3, normal: DVec3, eta: f64) -> Option<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Reflectance of a diffuse field, by the midpoint rule in the squared cosine.
-    fn diffuse(eta: f64) -> f64 {
-        let n = 2_000_000;
-        (0..n).map(|i| dielectric_reflectance(((f64::from(i) + 0.5) / f64::from(n)).sqrt(), eta)).sum::<f64>()
-            / f64::from(n)
-    }
-
-    #[test]
-    fn known_values() {
-        assert!((dielectric_reflectance(1.0, 1.5) - 0.04).abs() < 1e-15);
-        assert!((dielectric_reflectance(1.0, 1.0 / 1.5) - 0.04).abs() < 1e-15);
-        assert_eq!(dielectric_reflectance(0.3, 1.0), 0.0);
-        assert_eq!(dielectric_reflectance(0.0, 1.0), 0.0);
-        assert_eq!(dielectric_reflectance(0.0, 1.5), 1.0);
-        assert_eq!(dielectric_reflectance(0.5, 1.0 / 1.5), 1.0);
-        // At Brewster's angle only half of the perpendicular part is left.
-        let cos_b = 1.0 / (1.0 + 1.5f64 * 1.5).sqrt();
-        let perpendicular = (1.0 - 1.5f64 * 1.5) / (1.0 + 1.5f64 * 1.5);
-        assert!((dielectric_reflectance(cos_b, 1.5) - 0.5 * perpendicular * perpendicular).abs() < 1e-12);
-    }
-
-    /// PHYSICS section 7: the internal diffuse reflectance follows from the external one.
-    #[test]
-    fn diffuse_internal_reflectance() {
-        assert!((diffuse(1.0 / 1.5) - 0.59635).abs() < 1e-5, "{}", diffuse(1.0 / 1.5));
-        assert!((diffuse(1.0 / 1.33) - 0.47195).abs() < 1e-5);
-        assert!((diffuse(1.0 / 1.5) - (1.0 - (1.0 - diffuse(1.5)) / 2.25)).abs() < 1e-6);
-    }
 
     #[test]
     fn both_sides_agree_and_snell_holds() {
