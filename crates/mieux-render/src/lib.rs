@@ -15,6 +15,7 @@
 //! Sources are named by their keys in `references.bib`.
 
 pub mod camera;
+pub mod detector;
 pub mod film;
 pub mod geometry;
 pub mod integrator;

@@ -10,6 +10,7 @@ mod walk;
 pub use path::{Estimate, trace};
 pub use statistics::Statistics;
 pub(crate) use turbid::MediumLanes;
+pub(crate) use walk::scattered;
 
 /// Wavelengths per path: the hero and its companions.
 pub const LANES: usize = 4;

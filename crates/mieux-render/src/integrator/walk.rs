@@ -209,7 +209,7 @@ impl Hero {
 /// The unit vector at the angle of cosine `mu` from `forward`, at an azimuth given by cosine and sine about axes made
 /// from `forward` without a branch (`duff2017`), multiplied out.
 #[inline]
-fn scattered(forward: DVec3, mu: f64, (cos_phi, sin_phi): (f64, f64)) -> DVec3 {
+pub(crate) fn scattered(forward: DVec3, mu: f64, (cos_phi, sin_phi): (f64, f64)) -> DVec3 {
     let sine = (1.0 - mu * mu).max(0.0).sqrt();
     let sign = 1f64.copysign(forward.z);
     let (c, s) = (sine * cos_phi, sine * sin_phi);

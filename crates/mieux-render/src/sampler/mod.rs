@@ -6,5 +6,5 @@ mod turn;
 
 pub use exponential::Exponential;
 pub use pixel::PixelSampler;
-pub(crate) use pixel::uniform;
+pub(crate) use pixel::{mix, uniform};
 pub use turn::Turn;

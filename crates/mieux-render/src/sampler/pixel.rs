@@ -65,7 +65,7 @@ pub(crate) fn uniform(generator: &mut impl Rng) -> f64 {
 }
 
 /// A bijection of 64 bits that scatters them (the finaliser of `steele2014`).
-fn mix(mut z: u64) -> u64 {
+pub(crate) fn mix(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
