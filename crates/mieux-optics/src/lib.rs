@@ -22,5 +22,6 @@ pub mod substance;
 pub mod transfer;
 
 mod integrate;
+mod lanes;
 
 pub use num_complex::Complex64;

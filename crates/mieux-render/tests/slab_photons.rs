@@ -23,8 +23,7 @@ fn walk(layers: &[[f64; 3]], index: f64, incidence: Incidence, photons: u64) -> 
     let matter = |&[tau, albedo, g]: &[f64; 3]| {
         Layer::new(tau, albedo, Moments::henyey_greenstein(g).unwrap()).with_index(index)
     };
-    let stack =
-        Stack { above: 1.0, layers: layers.iter().map(matter).collect(), below: 1.0, ground: Ground::Black };
+    let stack = Stack { above: 1.0, layers: layers.iter().map(matter).collect(), below: 1.0, ground: Ground::Black };
     SlabWalk::new(stack, layers.iter().map(|layer| phase(layer[2])).collect(), incidence, photons, 1)
 }
 

@@ -7,7 +7,7 @@ use pulp::{Simd, WithSimd};
 
 use super::MieError;
 use super::coefficients::Coefficients;
-use super::lanes::{LaneArray, MAX_LANES, Re};
+use crate::lanes::{LaneArray, MAX_LANES, Re};
 
 /// Scattering angles, prepared once for any number of particles. Angles that mirror each other about 90 degrees share
 /// their work.

@@ -7,10 +7,10 @@ use pulp::Simd;
 
 use super::MieError;
 use super::kernel::{Sink, Term};
-use super::lanes::Re;
 use super::sums::{SphereSums, Sums};
 use super::wave::{PlaneWave, SphereScattering};
 use super::weights::Weight;
+use crate::lanes::Re;
 
 /// Lorenz-Mie coefficients `a_n` and `b_n` of one spherical particle in a plane wave, `n` from 1, in the signs of
 /// `bohren1983`: what [`Sphere::coefficients`](super::Sphere::coefficients) and

@@ -4,9 +4,9 @@ use pulp::Simd;
 
 use super::host::Host;
 use super::kernel::{Constants, Group, Sink, Slopes, divide};
-use super::lanes::{Cx, Re, Wave};
 use super::recurrence::{Descent, up};
 use super::weights::Weights;
+use crate::lanes::{Cx, Re, Wave};
 
 /// Longest run of orders that is kept in memory.
 const BLOCK: usize = 64;

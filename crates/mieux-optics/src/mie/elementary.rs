@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::lanes::{Cx, LaneArray, Re, Wave};
+use crate::lanes::{Cx, LaneArray, Re, Wave};
 
 /// Arguments up to which two-part reduction by pi/2 keeps an absolute error of a few 1e-16.
 const REDUCIBLE: f64 = 1e5;

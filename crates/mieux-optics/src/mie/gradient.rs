@@ -6,12 +6,12 @@ use num_complex::Complex64;
 use pulp::{Simd, WithSimd};
 
 use super::kernel::{Sink, Slopes, Term};
-use super::lanes::{Cx, Re};
 use super::sphere::{Series, Sphere, single};
 use super::sums::{SphereSums, Sums};
 use super::wave::SphereScattering;
 use super::weights::Weight;
 use super::{MieError, ScatteringDefinition};
+use crate::lanes::{Cx, Re};
 
 /// Derivatives by one quantity; cross sections in m^2 per its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -3,7 +3,7 @@
 use pulp::Simd;
 
 use super::elementary::{moved, sin_cos, sin_cos_complex};
-use super::lanes::{Cx, Re, Wave};
+use crate::lanes::{Cx, Re, Wave};
 
 /// Waves `psi_n` and `chi_n` of the host, and what follows from them.
 ///

@@ -15,8 +15,8 @@
 use pulp::Simd;
 
 use super::host::{Fraction, Host};
-use super::lanes::{Cx, LaneArray, Re, Wave};
 use super::weights::Weight;
+use crate::lanes::{Cx, LaneArray, Re, Wave};
 
 /// Spheres abreast, in the numbers that the series is made of.
 #[derive(Clone, Copy)]

@@ -19,9 +19,9 @@ use pulp::Simd;
 use super::downward::GROWTH;
 use super::host::{Fraction, Host};
 use super::kernel::{Sink, contrast, divide};
-use super::lanes::{Cx, LaneArray, Re, Wave};
 use super::recurrence::{Descent, up};
 use super::weights::Weights;
+use crate::lanes::{Cx, LaneArray, Re, Wave};
 
 /// Longest run of orders that is kept in memory.
 const BLOCK: usize = 16;

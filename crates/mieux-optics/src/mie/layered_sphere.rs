@@ -7,13 +7,13 @@ use super::coefficients::{Coefficients, Keep};
 use super::elementary::NARROW;
 use super::host::{Absorbing, Lossless, Opaque};
 use super::kernel::Sink;
-use super::lanes::{LaneArray, MAX_LANES};
 use super::layered::{LayerGroup, LayeredGroup, layered};
 use super::recurrence::{abreast, series_order, start_order, top_order};
 use super::sums::{GroupSums, Sums};
 use super::wave::{PlaneWave, SphereScattering, check_index, check_length, check_size_parameters};
 use super::weights::Weights;
 use super::{MieError, SphereError};
+use crate::lanes::{LaneArray, MAX_LANES};
 
 /// One layer of a sphere; the innermost is its core.
 #[derive(Debug, Clone, Copy, PartialEq)]

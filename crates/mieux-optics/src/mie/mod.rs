@@ -12,7 +12,7 @@ mod expansion;
 mod gradient;
 mod host;
 mod kernel;
-mod lanes;
+
 mod layered;
 mod layered_sphere;
 mod population;

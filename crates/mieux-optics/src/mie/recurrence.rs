@@ -5,7 +5,7 @@
 use num_complex::Complex64;
 use pulp::Simd;
 
-use super::lanes::{Re, Wave};
+use crate::lanes::{Re, Wave};
 
 /// One step of the three-term recurrence in either direction: `(2n + 1) / z * current - other`.
 #[inline(always)]

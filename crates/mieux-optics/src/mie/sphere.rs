@@ -10,13 +10,13 @@ use super::downward::{Scratch, downward};
 use super::elementary::NARROW;
 use super::host::{Absorbing, Lossless, Opaque};
 use super::kernel::{Group, Sink};
-use super::lanes::{Cx, MAX_LANES, Re};
 use super::recurrence::{abreast, series_order, start_order, top_order};
 use super::sums::Sums;
 use super::upward::upward;
 use super::wave::{PlaneWave, SphereScattering, check_index, check_length, check_size_parameters};
 use super::weights::Weights;
 use super::{MieError, SphereError};
+use crate::lanes::{Cx, MAX_LANES, Re};
 
 /// One homogeneous sphere in a plane wave; everything in it has been checked.
 #[derive(Debug, Clone, Copy, PartialEq)]

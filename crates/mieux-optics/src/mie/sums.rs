@@ -4,8 +4,8 @@ use num_complex::Complex64;
 use pulp::Simd;
 
 use super::kernel::{Sink, Term};
-use super::lanes::{Cx, LaneArray, Re, Wave};
 use super::weights::Weight;
+use crate::lanes::{Cx, LaneArray, Re, Wave};
 
 /// Sums over all orders, abreast. Unless the waves are scaled, the real part of `forward` is left to the other sums.
 pub(super) struct Sums<S: Simd, const SCALED: bool> {

@@ -8,9 +8,9 @@ use pulp::Simd;
 use super::elementary::{moved, sin_cos_complex};
 use super::host::{Fraction, Host};
 use super::kernel::{Constants, Group, Sink, divide};
-use super::lanes::{Cx, Wave};
 use super::recurrence::up;
 use super::weights::Weights;
+use crate::lanes::{Cx, Wave};
 
 /// `M_{n-1}` and `M_n` of the numerators or of the other parts of the denominators.
 type Pair<S> = [Cx<S>; 2];

@@ -1,25 +1,25 @@
-//! Numbers abreast: one real or complex number per sphere, as wide as the registers of the machine at run time.
+//! Numbers abreast: one real or complex number per problem, as wide as the registers of the machine at run time.
 
 use std::ops::{Add, Mul, Sub};
 
 use pulp::Simd;
 
-/// Most spheres abreast on any machine.
-pub(super) const MAX_LANES: usize = 8;
+/// Most problems abreast on any machine.
+pub(crate) const MAX_LANES: usize = 8;
 
 /// One number per lane, as plain memory.
-pub(super) type LaneArray = [f64; MAX_LANES];
+pub(crate) type LaneArray = [f64; MAX_LANES];
 
 /// Real numbers abreast.
 #[derive(Clone, Copy)]
-pub(super) struct Re<S: Simd> {
+pub(crate) struct Re<S: Simd> {
     simd: S,
     v: S::f64s,
 }
 
 /// Complex numbers abreast.
 #[derive(Clone, Copy)]
-pub(super) struct Cx<S: Simd> {
+pub(crate) struct Cx<S: Simd> {
     pub re: Re<S>,
     pub im: Re<S>,
 }
@@ -142,7 +142,7 @@ impl<S: Simd> Sub for Cx<S> {
 }
 
 /// What a wave in the host is made of: real numbers where the host is lossless, complex ones where it absorbs.
-pub(super) trait Wave<S: Simd>: Copy + Add<Output = Self> + Sub<Output = Self> {
+pub(crate) trait Wave<S: Simd>: Copy + Add<Output = Self> + Sub<Output = Self> {
     /// A real number in every lane.
     fn splat(simd: S, value: f64) -> Self;
     fn scale(self, factor: Re<S>) -> Self;
