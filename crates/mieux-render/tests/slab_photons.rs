@@ -268,6 +268,20 @@ fn emission_follows_kirchhoff() {
     assert_near(scaled(counts.reflectance), PI * 3.0 * 2.0 / 3.0 / 20.0, 1e-6, "black body, cold side");
 }
 
+/// Where no photon comes through, the error still says how much might.
+#[test]
+fn what_is_too_little_to_be_seen() {
+    // By adding-doubling with 64 points (iadpython 0.5.3).
+    let counts = run(&walk(
+        &[[18.013703483579228, 0.4190129819838889, -0.04117262596860144]],
+        1.5,
+        Incidence::NORMAL,
+        1_000_000,
+    ));
+    assert_near(counts.transmittance, 3.043331657002281e-8, 0.0, "next to nothing");
+    assert!(counts.transmittance.error < 1.1e-6);
+}
+
 /// The asymptotic law for conservative isotropic slabs under diffuse light (`vandehulst1980`): 4/3 over the thickness and
 /// twice the extrapolation length 0.7104.
 #[test]
