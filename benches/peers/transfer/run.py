@@ -1,9 +1,10 @@
 """Microseconds of processor time per slab: the transfer solvers of mieux beside those of others, one thread each.
 
     python3 benches/peers/transfer/run.py [--mieux EXECUTABLE] [--only WORKLOAD ...] [--peers NAME ...] [--rounds 5]
-                                          [--values FILE]
+                                          [--values FILE] [--problems FOLDER]
 
-See README.md for the workloads and for how EXECUTABLE is called. `--values` writes every contender's answers as JSON.
+See README.md for the workloads and for how EXECUTABLE is called. `--values` writes every contender's answers as JSON,
+`--problems` keeps the files of problems.
 """
 
 import os
@@ -371,12 +372,18 @@ def report(work, contenders):
 
 
 def main():
+    with tempfile.TemporaryDirectory() as folder:
+        run(folder)
+
+
+def run(folder):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--mieux")
     parser.add_argument("--only", nargs="*")
     parser.add_argument("--peers", nargs="*", default=list(PEERS))
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--values")
+    parser.add_argument("--problems", default=folder)
     arguments = parser.parse_args()
     everything = {}
     for work in workloads():
@@ -388,10 +395,11 @@ def main():
                 contenders.append(Contender(name, PEERS[name], work))
             except ImportError as error:
                 print(f"{name} is left out: {error}")
+        path = os.path.join(arguments.problems, work.name + ".txt")
+        with open(path, "w") as file:
+            work.write(file)
         if arguments.mieux:
-            with tempfile.NamedTemporaryFile("w", suffix=".txt", delete=False) as file:
-                work.write(file)
-            contenders.append(Mieux(arguments.mieux, work, file.name))
+            contenders.append(Mieux(arguments.mieux, work, path))
         contenders = [c for c in contenders if c.able]
         for _ in range(arguments.rounds):
             for contender in contenders:

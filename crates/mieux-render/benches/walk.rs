@@ -1,12 +1,16 @@
 //! Time per collision of the random walk in whole milk, and of the queries it rests on.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use mieux_optics::phase::{HenyeyGreenstein, PhaseFunction};
+use mieux_optics::transfer::{Ground, Incidence, Layer, Moments, Stack};
 use mieux_render::DVec3;
 use mieux_render::camera::Pinhole;
+use mieux_render::detector::slab::SlabWalk;
 use mieux_render::geometry::{Accelerator, DrinkingGlass, Ray, sphere};
 use mieux_render::integrator::{Statistics, Transport, trace};
 use mieux_render::light::Environment;
 use mieux_render::medium::Medium;
+use mieux_render::render::Flow;
 use mieux_render::sampler::PixelSampler;
 use mieux_render::scene::{Body, Prepared, Scene};
 
@@ -66,5 +70,33 @@ fn queries(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, walk, queries);
+/// Photons through slabs: van de Hulst's, three layers of tissue, and a thick one.
+fn slabs(criterion: &mut Criterion) {
+    let layer = |tau, albedo, g| -> Option<(Layer, PhaseFunction)> {
+        let layer = Layer::new(tau, albedo, Moments::henyey_greenstein(g).ok()?);
+        Some((layer, HenyeyGreenstein::new(g).ok()?.into()))
+    };
+    let tissue = [(10.1, 100.0 / 101.0, 0.9), (1.1, 10.0 / 11.0, 0.0), (2.4, 10.0 / 12.0, 0.7)];
+    let stacks = [("one layer", vec![(2.0, 0.9, 0.75)], 1.0), ("three layers", tissue.to_vec(), 1.37)];
+    let mut group = criterion.benchmark_group("photons through slabs");
+    for (name, layers, index) in stacks.into_iter().chain([("thick", vec![(1000.0, 0.9999, 0.9)], 1.5)]) {
+        let Some(pairs) = layers.into_iter().map(|(t, a, g)| layer(t, a, g)).collect::<Option<Vec<_>>>() else {
+            continue;
+        };
+        let (layers, phases): (Vec<Layer>, Vec<PhaseFunction>) = pairs.into_iter().unzip();
+        let layers = layers.into_iter().map(|layer| layer.with_index(index)).collect();
+        let stack = Stack { above: 1.0, layers, below: 1.0, ground: Ground::Black };
+        let photons = if name == "thick" { 2_000 } else { 50_000 };
+        let walk = SlabWalk::new(stack, phases, Incidence::NORMAL, photons, 1);
+        let collisions = walk.run(&mut |_| Flow::Continue).map_or(0, |counts| counts.collisions);
+        let each = collisions as f64 / photons as f64;
+        group.sample_size(10).throughput(Throughput::Elements(photons));
+        group.bench_function(format!("{name}, {each:.0} collisions each"), |b| {
+            b.iter(|| walk.run(&mut |_| Flow::Continue))
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, walk, queries, slabs);
 criterion_main!(benches);

@@ -9,7 +9,8 @@ use glam::DVec3;
 pub struct Estimate {
     /// The mean.
     pub value: f64,
-    /// Its standard error, from the differences between batches, and added to it what was lost. Infinite for one batch.
+    /// Its standard error, from the differences between batches; with it, squares added, the share of one photon, as no
+    /// less can be seen (where none came the batches do not differ); and what was lost. Infinite for one batch.
     pub error: f64,
 }
 
@@ -175,7 +176,10 @@ impl Totals {
                 .collect(),
             reflectance_specular: slot(Slot::UpUnscattered),
             transmittance_unscattered: slot(Slot::DownUnscattered),
-            balance: self.estimate(Slot::Balance as usize, 1.0 / size as f64, 0.0),
+            balance: Estimate {
+                value: self.mean[Slot::Balance as usize] / size as f64,
+                error: self.deviation_of_mean(Slot::Balance as usize) / size as f64,
+            },
             lost,
             power,
             radiance_up: self.radiance(0, size, lost),
@@ -184,10 +188,18 @@ impl Totals {
     }
 
     fn estimate(&self, place: usize, scale: f64, lost: f64) -> Estimate {
+        // One photon among all batches.
+        let least = 1.0 / self.batches as f64;
+        let error = self.deviation_of_mean(place).hypot(least) * scale + lost;
+        Estimate { value: self.mean[place] * scale, error }
+    }
+
+    fn deviation_of_mean(&self, place: usize) -> f64 {
         let count = self.batches as f64;
-        let variance = self.deviation[place] / (count * (count - 1.0));
-        let error = if self.batches > 1 { variance.max(0.0).sqrt() } else { f64::INFINITY };
-        Estimate { value: self.mean[place] * scale, error: error * scale + lost }
+        if self.batches < 2 {
+            return f64::INFINITY;
+        }
+        (self.deviation[place] / (count * (count - 1.0))).max(0.0).sqrt()
     }
 
     fn radiance(&self, side: usize, size: u64, lost: f64) -> Option<Radiance> {

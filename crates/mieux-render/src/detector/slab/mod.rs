@@ -185,3 +185,119 @@ impl SlabWalk {
         tally
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use mieux_optics::phase::{HenyeyGreenstein, Isotropic};
+    use mieux_optics::transfer::{Ground, Layer, Moments};
+
+    use super::*;
+
+    fn layer(tau: f64, albedo: f64, g: f64) -> (Layer, PhaseFunction) {
+        (Layer::new(tau, albedo, Moments::henyey_greenstein(g).unwrap()), HenyeyGreenstein::new(g).unwrap().into())
+    }
+
+    fn van_de_hulst(photons: u64, seed: u64) -> SlabWalk {
+        let (layer, phase) = layer(2.0, 0.9, 0.75);
+        SlabWalk::new(Stack::slab(layer), vec![phase], Incidence::NORMAL, photons, seed)
+    }
+
+    fn run(walk: &SlabWalk) -> SlabCounts {
+        walk.run(&mut |_| Flow::Continue).unwrap()
+    }
+
+    #[test]
+    fn the_number_of_threads_leaves_no_trace() {
+        let (top, first) = layer(0.7, 0.8, 0.9);
+        let (bottom, second) = layer(3.0, 0.99, -0.2);
+        let stack = Stack {
+            above: 1.0,
+            layers: vec![top.with_index(1.3), bottom.with_index(1.6)],
+            below: 1.1,
+            ground: Ground::Lambertian(0.4),
+        };
+        let mut walk = SlabWalk::new(stack, vec![first, second], Incidence::Diffuse, 5_000, 11);
+        walk.bins = Some([5, 3]);
+        let on = |walk: &SlabWalk, threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| run(walk))
+        };
+        let one = on(&walk, 1);
+        assert_eq!(one, on(&walk, 3));
+        walk.seed = 12;
+        assert_ne!(one.reflectance, on(&walk, 2).reflectance);
+    }
+
+    /// Means of many seeds scatter around the truth as their errors say, which the roulette, the even start and the
+    /// weights of absorption must leave as it is. Van de Hulst's slab.
+    #[test]
+    fn errors_are_honest() {
+        let seeds = 100;
+        let (mut reflected, mut transmitted, mut balance) = (0.0, 0.0, 0.0);
+        for seed in 0..seeds {
+            let counts = run(&van_de_hulst(10_000, seed));
+            reflected += ((counts.reflectance.value - 0.097_394_64) / counts.reflectance.error).powi(2);
+            transmitted += ((counts.transmittance.value - 0.660_957_70) / counts.transmittance.error).powi(2);
+            // Light enough for the roulette only where more is absorbed.
+            let mut dark = van_de_hulst(10_000, seed);
+            dark.stack.layers[0].albedo = 0.6;
+            dark.stack.layers[0].optical_thickness = 20.0;
+            let counts = run(&dark);
+            balance += ((counts.balance.value - 1.0) / counts.balance.error).powi(2);
+        }
+        // 100 degrees of freedom: 99.99 % lie below 162, and above 55.
+        for chi2 in [reflected, transmitted, balance] {
+            assert!((55.0..162.0).contains(&chi2), "{reflected} {transmitted} {balance}");
+        }
+    }
+
+    #[test]
+    fn progress_is_told_and_stops() {
+        let mut told = Vec::new();
+        let counts = van_de_hulst(100_000, 1)
+            .run(&mut |progress| {
+                told.push(progress);
+                if told.len() == 3 { Flow::Stop } else { Flow::Continue }
+            })
+            .unwrap();
+        assert_eq!(told[1], SlabProgress { photons: 8_000, end: 100_000 });
+        assert_eq!(counts.photons, 12_000);
+        assert!((counts.reflectance.value - 0.0974).abs() < 5.0 * counts.reflectance.error);
+        assert_eq!(run(&van_de_hulst(1_999, 1)).photons, 2_000);
+        assert!(run(&van_de_hulst(1, 1)).reflectance.error.is_infinite());
+    }
+
+    #[test]
+    fn what_cannot_be_walked_is_refused() {
+        let message = |walk: &SlabWalk| walk.run(&mut |_| Flow::Continue).unwrap_err().to_string();
+        let mut walk = van_de_hulst(10, 1);
+        walk.source = Source::Top(Incidence::Beam(0.0));
+        assert!(message(&walk).contains("cosine 0 "), "{}", message(&walk));
+        walk.source = Source::Top(Incidence::Beam(f64::NAN));
+        assert!(message(&walk).contains("NaN"));
+        walk.source = Source::Emission;
+        assert_eq!(walk.run(&mut |_| Flow::Continue), Err(SlabWalkError::Dark));
+        walk.bins = Some([0, 4]);
+        assert!(message(&walk).contains("0 x 4 bins"));
+        walk.photons = 0;
+        assert!(message(&walk).contains("0 photons"));
+        walk.phases.push(Isotropic.into());
+        assert!(message(&walk).contains("2 phase functions for 1 layers"));
+        walk.stack.layers[0].albedo = 1.5;
+        assert!(message(&walk).contains("albedo 1.5"));
+    }
+
+    /// No layers are a plane alone, or nothing; and from the denser side there may be no way through it.
+    #[test]
+    fn planes_alone() {
+        let mut stack = Stack { above: 1.5, layers: vec![], below: 1.0, ground: Ground::Black };
+        let walk = |stack: &Stack| run(&SlabWalk::new(stack.clone(), vec![], Incidence::Beam(0.5), 100, 1));
+        assert_eq!(walk(&stack).reflectance.value, 1.0);
+        stack.above = 1.0;
+        assert_eq!(walk(&stack).transmittance_unscattered.value, 1.0);
+        stack.ground = Ground::Lambertian(0.25);
+        let counts = walk(&stack);
+        assert_eq!((counts.reflectance.value, counts.transmittance.value), (0.25, 0.75));
+        assert_eq!((counts.reflectance_specular.value, counts.transmittance_unscattered.value), (0.0, 0.75));
+    }
+}

@@ -33,7 +33,41 @@ struct Matter<'a> {
     free_path: f64,
     /// Absorbed per optical length.
     loss: f64,
-    phase: &'a PhaseFunction,
+    phase: Sampler<'a>,
+}
+
+/// How cosines of scattering are drawn.
+enum Sampler<'a> {
+    /// One lobe whose closed form loses no digits: `middle - slope / (1 + g s)^2`, s uniform in [-1, 1]
+    /// (`henyey1941`).
+    Lobe { g: f64, middle: f64, slope: f64 },
+    /// Whatever else.
+    Any(&'a PhaseFunction),
+}
+
+impl<'a> Sampler<'a> {
+    fn new(phase: &'a PhaseFunction) -> Self {
+        match phase {
+            PhaseFunction::HenyeyGreenstein(lobe) if (0.01..0.999).contains(&lobe.asymmetry().abs()) => {
+                let g = lobe.asymmetry();
+                let squared = g * g;
+                Self::Lobe { g, middle: 0.5 * (1.0 + squared) / g, slope: 0.5 * (1.0 - squared).powi(2) / g }
+            }
+            other => Self::Any(other),
+        }
+    }
+
+    /// From a number in (0, 1).
+    #[inline]
+    fn cosine(&self, xi: f64) -> f64 {
+        match *self {
+            Self::Lobe { g, middle, slope } => {
+                let inverse = 1.0 / (1.0 + g * (2.0 * xi - 1.0));
+                middle - slope * inverse * inverse
+            }
+            Self::Any(phase) => phase.sample(xi),
+        }
+    }
 }
 
 /// Light on its way.
@@ -74,7 +108,7 @@ impl<'a> Slab<'a> {
             albedo: layer.albedo,
             free_path: if layer.albedo > f64::MIN_POSITIVE { 1.0 / layer.albedo } else { f64::INFINITY },
             loss: 1.0 - layer.albedo,
-            phase,
+            phase: Sampler::new(phase),
         });
         let inner = stack.layers.iter().map(|layer| layer.refractive_index);
         let indices = std::iter::once(stack.above).chain(inner).chain([stack.below]).collect();
@@ -188,7 +222,7 @@ impl<'a> Slab<'a> {
             z = next;
             path += step;
             let bits = generator.next_u64();
-            let mu = matter.phase.sample(((bits >> 32) as f64 + 0.5) * (1.0 / 4_294_967_296.0));
+            let mu = matter.phase.cosine(((bits >> 32) as f64 + 0.5) * (1.0 / 4_294_967_296.0));
             direction = scattered(direction, mu, turn.angle(bits as u32));
             flight = exponential.sample(&mut generator);
             collisions += 1;

@@ -113,14 +113,8 @@ fn entering(
     tally.count(Slot::Up, reflected);
     tally.count(Slot::UpUnscattered, reflected);
     let direction = refracted(DVec3::new(sine * x, sine * y, cosine), eta);
-    (reflected < 1.0).then(|| Photon {
-        medium: 1,
-        depth: 0.0,
-        direction,
-        flight,
-        weight: 1.0 - reflected,
-        scattered: false,
-    })
+    let photon = Photon { medium: 1, depth: 0.0, direction, flight, weight: 1.0 - reflected, scattered: false };
+    (reflected < 1.0).then_some(photon)
 }
 
 /// Out of the matter itself, into any direction. The number says which layer, and how deep in it.
