@@ -8,7 +8,7 @@
 
 use std::error::Error;
 
-use mieux_optics::transfer::{Ground, Incidence, Layer, Moments, Stack};
+use mieux_optics::transfer::{DiscreteOrdinates, Ground, Incidence, Layer, Moments, Stack};
 use rustix::time::{ClockId, clock_gettime};
 
 /// Processor time used so far, s.
@@ -89,10 +89,21 @@ type Values = Vec<Vec<f64>>;
 /// Answers, and the processor time they took, s; `None` for a task that has no solver.
 fn solve(problems: &Problems) -> Result<Option<(f64, Values)>, Box<dyn Error>> {
     match problems.task.as_str() {
-        "flux" | "radiance" | "adding" => problems.stacks().map(|_| None),
+        "flux" => flux(problems).map(Some),
+        "radiance" | "adding" => problems.stacks().map(|_| None),
         "inversion" => Ok(None),
         other => Err(format!("unknown task {other:?}").into()),
     }
+}
+
+/// Up at the top, down at the bottom.
+fn flux(problems: &Problems) -> Result<(f64, Values), Box<dyn Error>> {
+    let stacks = problems.stacks()?;
+    let solver = DiscreteOrdinates::with_streams(problems.streams)?;
+    let start = cpu_seconds();
+    let shares = solver.shares_of(&stacks, &[problems.incidence()])?;
+    let seconds = cpu_seconds() - start;
+    Ok((seconds, shares.iter().map(|s| vec![s[0].reflectance, s[0].transmittance]).collect()))
 }
 
 /// What follows a word on the command line.

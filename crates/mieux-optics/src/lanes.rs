@@ -1,6 +1,6 @@
 //! Numbers abreast: one real or complex number per problem, as wide as the registers of the machine at run time.
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 use pulp::Simd;
 
@@ -71,6 +71,30 @@ impl<S: Simd> Re<S> {
         Self { simd: self.simd, v: self.simd.abs_f64s(self.v) }
     }
 
+    #[inline(always)]
+    pub fn sqrt(self) -> Self {
+        Self { simd: self.simd, v: self.simd.sqrt_f64s(self.v) }
+    }
+
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        Self { simd: self.simd, v: self.simd.max_f64s(self.v, other.v) }
+    }
+
+    /// In every lane `yes` where `self < other`, else `no`.
+    #[inline(always)]
+    pub fn if_less(self, other: Self, yes: Self, no: Self) -> Self {
+        let simd = self.simd;
+        Self { simd, v: simd.select_f64s(simd.less_than_f64s(self.v, other.v), yes.v, no.v) }
+    }
+
+    /// Whether `self < other` in any lane.
+    #[inline(always)]
+    pub fn any_less(self, other: Self) -> bool {
+        let simd = self.simd;
+        simd.first_true_m64s(simd.less_than_f64s(self.v, other.v)) < S::F64_LANES
+    }
+
     /// Turns `(sin r, cos r)` by the quarter turns counted in the last bits of `self`.
     #[inline(always)]
     pub fn turn(self, sin: Self, cos: Self) -> (Self, Self) {
@@ -98,7 +122,7 @@ macro_rules! lane_operator {
         }
     )*};
 }
-lane_operator!(Add add add_f64s, Sub sub sub_f64s, Mul mul mul_f64s);
+lane_operator!(Add add add_f64s, Sub sub sub_f64s, Mul mul mul_f64s, Div div div_f64s);
 
 impl<S: Simd> Cx<S> {
     #[inline(always)]

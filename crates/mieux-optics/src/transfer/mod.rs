@@ -6,12 +6,14 @@
 //! - A source of strength 1 falls onto the *horizontal* unless said otherwise; shares are of what falls in.
 //! - Planes between layers of different index refract and reflect (Fresnel, unpolarised, incoherent).
 
+mod discrete_ordinates;
 mod error;
 pub mod fresnel;
 mod moments;
 mod stack;
 mod streams;
 
+pub use discrete_ordinates::DiscreteOrdinates;
 pub use error::TransferError;
 pub use moments::{MAX_MOMENTS, Moments};
 pub use stack::{Ground, Incidence, Layer, Shares, Stack};

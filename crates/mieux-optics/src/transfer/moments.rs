@@ -47,7 +47,7 @@ impl Moments {
     /// # Errors
     /// [`TransferError::Asymmetry`] unless `g` lies strictly between -1 and 1.
     pub fn henyey_greenstein(g: f64) -> Result<Self, TransferError> {
-        if !(g.abs() < 1.0) {
+        if g.is_nan() || g.abs() >= 1.0 {
             return Err(TransferError::Asymmetry { g });
         }
         let moments = std::iter::successors(Some(1.0f64), |power| Some(power * g));

@@ -1,0 +1,184 @@
+//! Integrals over the depth of a layer: what an exponential drives in a mode, and what a direction collects of it.
+
+/// `tanh(k t) / k`: the resistance of a layer to a mode; `t` for `k = 0`.
+pub(super) fn resistance(k: f64, t: f64) -> f64 {
+    if k * t < 1e-150 { t } else { (k * t).tanh() / k }
+}
+
+/// `1 / cosh(x)`.
+pub(super) fn sech(x: f64) -> f64 {
+    let e = (-x).exp();
+    2.0 * e / (1.0 + e * e)
+}
+
+/// The integral over `x` in [0, t] of `exp(-a x) exp(-b (t - x))`, also for `a = b`.
+pub(super) fn crossing(a: f64, b: f64, t: f64) -> f64 {
+    let (least, difference) = (a.min(b), (a - b).abs());
+    (-least * t).exp() * fading(difference, t)
+}
+
+/// The integral over `x` in [0, t] of `exp(-a x)`.
+pub(super) fn fading(a: f64, t: f64) -> f64 {
+    let x = a * t;
+    if x < 1e-8 { t * (1.0 - 0.5 * x) } else { -(-x).exp_m1() / a }
+}
+
+/// Integrals over the depth `x` in [0, t] of a mode times `exp(-nu x)`, all divided by `cosh(k t)`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Overlap {
+    /// Of `cosh(k x)`.
+    pub cosh: f64,
+    /// Of `sinh(k x) / k`.
+    pub sinh: f64,
+    /// Of `cosh(k (t - x))`.
+    pub cosh_back: f64,
+    /// Of `sinh(k (t - x)) / k`.
+    pub sinh_back: f64,
+}
+
+impl Overlap {
+    /// For `k >= 0`, `nu > 0`, `t >= 0`; `exp(-k t)`, `exp(-nu t)` and `tanh(k t) / k` are what the caller has already.
+    #[inline]
+    pub fn new(k: f64, nu: f64, t: f64, [mode, beam, resistance]: [f64; 3]) -> Self {
+        if k.max(nu) * t < 0.5 {
+            return Self::thin(k, nu, t);
+        }
+        let along = fading(k + nu, t);
+        let difference = (k - nu).abs();
+        let against = if difference * t > 1.0 { (beam - mode) / (k - nu) } else { crossing(k, nu, t) };
+        let scale = 1.0 / (1.0 + mode * mode);
+        let cosh = (against + mode * along) * scale;
+        let cosh_back = (along + mode * against) * scale;
+        if k > 0.3 * nu {
+            let scale = scale / k;
+            let (sinh, sinh_back) = ((against - mode * along) * scale, (along - mode * against) * scale);
+            return Self { cosh, sinh, cosh_back, sinh_back };
+        }
+        // For small k the differences above cancel.
+        let (inverse, sech) = (1.0 / ((nu - k) * (nu + k)), 2.0 * mode * scale);
+        let sinh = (sech - beam * (1.0 + nu * resistance)) * inverse;
+        let sinh_back = (nu * resistance - 1.0 + beam * sech) * inverse;
+        Self { cosh, sinh, cosh_back, sinh_back }
+    }
+
+    /// The integrands are smooth: eight Gauss nodes are exact to rounding.
+    fn thin(k: f64, nu: f64, t: f64) -> Self {
+        let mut sums = [0.0; 4];
+        for (x, weight) in GAUSS_8 {
+            let (x, back) = (0.5 * t * (1.0 + x), 0.5 * t * (1.0 - x));
+            let weight = 0.5 * t * weight * (-nu * x).exp();
+            let sinhc = |x: f64| if k * x < 1e-9 { x } else { (k * x).sinh() / k };
+            let values = [(k * x).cosh(), sinhc(x), (k * back).cosh(), sinhc(back)];
+            (0..4).for_each(|i| sums[i] += weight * values[i]);
+        }
+        let scale = 1.0 / (k * t).cosh();
+        let [cosh, sinh, cosh_back, sinh_back] = sums.map(|sum| sum * scale);
+        Self { cosh, sinh, cosh_back, sinh_back }
+    }
+}
+
+const GAUSS_8: [(f64, f64); 8] = [
+    (-0.9602898564975363, 0.10122853629037626),
+    (-0.7966664774136267, 0.22238103445337448),
+    (-0.5255324099163290, 0.31370664587788727),
+    (-0.1834346424956498, 0.36268378337836200),
+    (0.1834346424956498, 0.36268378337836200),
+    (0.5255324099163290, 0.31370664587788727),
+    (0.7966664774136267, 0.22238103445337448),
+    (0.9602898564975363, 0.10122853629037626),
+];
+
+/// Integrals of a mode against a source that is linear in depth, divided by `cosh(k t)`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LinearOverlap {
+    /// Of `cosh(k (t - x))`: `tanh(k t) / k`.
+    pub flat: f64,
+    /// Of `sinh(k x) / k`, which is also that of `x cosh(k (t - x))`.
+    pub rising: f64,
+    /// Of `x sinh(k x) / k`.
+    pub steep: f64,
+}
+
+impl LinearOverlap {
+    pub fn new(k: f64, t: f64) -> Self {
+        let x = k * t;
+        let flat = resistance(k, t);
+        // (1 - sech x) / x^2 and (x - tanh x) / x^3.
+        let half = if x < 1e-4 {
+            1.0
+        } else if x > 300.0 {
+            0.0
+        } else {
+            (0.5 * x).sinh() / (0.5 * x)
+        };
+        let rising = if x > 300.0 { 1.0 / (x * x) } else { 0.5 * half * half / x.cosh() };
+        let steep = if x < 0.1 {
+            let x2 = x * x;
+            1.0 / 3.0 - x2 * (2.0 / 15.0 - x2 * (17.0 / 315.0 - x2 * (62.0 / 2835.0 - x2 * 1382.0 / 155_925.0)))
+        } else {
+            (x - x.tanh()) / (x * x * x)
+        };
+        Self { flat, rising: rising * t * t, steep: steep * t * t * t }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By Simpson's rule.
+    fn simpson(t: f64, f: impl Fn(f64) -> f64) -> f64 {
+        let n = 20_000;
+        let h = t / f64::from(n);
+        let inner: f64 = (1..n).map(|i| f(h * f64::from(i)) * if i % 2 == 1 { 4.0 } else { 2.0 }).sum();
+        (f(0.0) + inner + f(t)) * h / 3.0
+    }
+
+    #[test]
+    fn every_branch_follows_quadrature() {
+        for (k, nu, t) in [
+            (0.0, 1.0, 0.3),
+            (1e-9, 1.0, 2.0),
+            (0.1, 1.3, 5.0),
+            (0.29, 1.0, 1.0),
+            (0.31, 1.0, 1.0),
+            (2.0, 2.0, 3.0),
+            (2.0, 2.0 + 1e-9, 3.0),
+            (5.0, 1.0, 4.0),
+            (1.0, 12.0, 2.0),
+            (3.0, 2.5, 0.1),
+        ] {
+            let o = Overlap::new(k, nu, t, [(-k * t).exp(), (-nu * t).exp(), resistance(k, t)]);
+            let sinhc = |x: f64| if k * x < 1e-6 { x } else { (k * x).sinh() / k };
+            let c = (k * t).cosh();
+            for (ours, other) in [
+                (o.cosh, simpson(t, |x| (k * x).cosh() * (-nu * x).exp()) / c),
+                (o.sinh, simpson(t, |x| sinhc(x) * (-nu * x).exp()) / c),
+                (o.cosh_back, simpson(t, |x| (k * (t - x)).cosh() * (-nu * x).exp()) / c),
+                (o.sinh_back, simpson(t, |x| sinhc(t - x) * (-nu * x).exp()) / c),
+            ] {
+                assert!((ours / other - 1.0).abs() < 1e-11, "k {k} nu {nu} t {t}: {ours} for {other}");
+            }
+            let l = LinearOverlap::new(k, t);
+            for (ours, other) in [
+                (l.flat, simpson(t, |x| (k * (t - x)).cosh()) / c),
+                (l.rising, simpson(t, sinhc) / c),
+                (l.rising, simpson(t, |x| x * (k * (t - x)).cosh()) / c),
+                (l.steep, simpson(t, |x| x * sinhc(x)) / c),
+            ] {
+                assert!((ours / other - 1.0).abs() < 1e-11, "linear, k {k} t {t}: {ours} for {other}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_overflows() {
+        for (k, nu, t) in [(1e3, 1.0, 1e6), (0.0, 1.0, 1e6), (1e-4, 1.0, 1e6), (50.0, 1e9, 1e-8), (3.0, 1.0, 0.0)] {
+            let o = Overlap::new(k, nu, t, [(-k * t).exp(), (-nu * t).exp(), resistance(k, t)]);
+            let l = LinearOverlap::new(k, t);
+            for value in [o.cosh, o.sinh, o.cosh_back, o.sinh_back, l.flat, l.rising, l.steep, sech(k * t)] {
+                assert!(value.is_finite() && value >= 0.0, "{k} {nu} {t}: {o:?} {l:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! Small dense matrices, one per lane, and the few operations that the sweep needs.
+
+use pulp::Simd;
+
+use crate::lanes::Re;
+
+/// A row-major matrix in every lane.
+#[derive(Clone)]
+pub(super) struct Matrix<S: Simd> {
+    pub columns: usize,
+    pub data: Vec<Re<S>>,
+}
+
+impl<S: Simd> Matrix<S> {
+    #[inline(always)]
+    pub fn zeros(simd: S, rows: usize, columns: usize) -> Self {
+        Self { columns, data: vec![Re::splat(simd, 0.0); rows * columns] }
+    }
+
+    #[inline(always)]
+    pub fn row(&self, i: usize) -> &[Re<S>] {
+        &self.data[i * self.columns..(i + 1) * self.columns]
+    }
+
+    #[inline(always)]
+    pub fn row_mut(&mut self, i: usize) -> &mut [Re<S>] {
+        &mut self.data[i * self.columns..(i + 1) * self.columns]
+    }
+
+    /// Rows `i < j`, both open to change.
+    #[inline(always)]
+    pub fn two_rows(&mut self, i: usize, j: usize) -> (&mut [Re<S>], &mut [Re<S>]) {
+        let (upper, lower) = self.data.split_at_mut(j * self.columns);
+        (&mut upper[i * self.columns..(i + 1) * self.columns], &mut lower[..self.columns])
+    }
+
+    #[inline(always)]
+    pub fn rows(&self) -> usize {
+        if self.columns == 0 { 0 } else { self.data.len() / self.columns }
+    }
+}
+
+/// Four sums at a time, so that no step waits for the one before.
+#[inline(always)]
+pub(super) fn dot<S: Simd>(a: &[Re<S>], b: &[Re<S>], zero: Re<S>) -> Re<S> {
+    let mut sums = [zero; 4];
+    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
+    let mut rest = zero;
+    for (x, y) in a4.remainder().iter().zip(b4.remainder()) {
+        rest = x.mul_add(*y, rest);
+    }
+    for (x, y) in a4.zip(b4) {
+        for q in 0..4 {
+            sums[q] = x[q].mul_add(y[q], sums[q]);
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+/// `y += factor x`.
+#[inline(always)]
+pub(super) fn add_scaled<S: Simd>(y: &mut [Re<S>], factor: Re<S>, x: &[Re<S>]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y = factor.mul_add(*x, *y);
+    }
+}
+
+/// `y -= factor x`.
+#[inline(always)]
+pub(super) fn subtract_scaled<S: Simd>(y: &mut [Re<S>], factor: Re<S>, x: &[Re<S>]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y = factor.neg_mul_add(*x, *y);
+    }
+}
+
+/// `A B`.
+#[inline(always)]
+pub(super) fn product<S: Simd>(simd: S, a: &Matrix<S>, b: &Matrix<S>) -> Matrix<S> {
+    let mut c = Matrix::zeros(simd, a.rows(), b.columns);
+    for i in 0..a.rows() {
+        let row = c.row_mut(i);
+        // Two terms a pass halve the traffic of the sums.
+        let pairs = a.row(i).chunks_exact(2);
+        if let [last] = pairs.remainder() {
+            add_scaled(row, *last, b.row(a.columns - 1));
+        }
+        for (k, pair) in pairs.enumerate() {
+            for ((sum, x), y) in row.iter_mut().zip(b.row(2 * k)).zip(b.row(2 * k + 1)) {
+                *sum = pair[1].mul_add(*y, pair[0].mul_add(*x, *sum));
+            }
+        }
+    }
+    c
+}
+
+/// `A B^T`, which the caller knows to be symmetric.
+#[inline(always)]
+pub(super) fn symmetric_product<S: Simd>(simd: S, a: &Matrix<S>, b: &Matrix<S>) -> Matrix<S> {
+    let n = a.rows();
+    let zero = Re::splat(simd, 0.0);
+    let mut c = Matrix::zeros(simd, n, n);
+    for i in 0..n {
+        for j in 0..=i {
+            let value = dot(a.row(i), b.row(j), zero);
+            c.data[i * n + j] = value;
+            c.data[j * n + i] = value;
+        }
+    }
+    c
+}
+
+/// The lower Cholesky factor of a symmetric positive matrix, with the inverses of its diagonal on the diagonal; above it
+/// is 0. A direction without stiffness (a pivot of 0) is left out: its inverse counts as 0.
+#[derive(Clone)]
+pub(super) struct Cholesky<S: Simd>(pub Matrix<S>);
+
+impl<S: Simd> Cholesky<S> {
+    /// Of a matrix whose lower half counts; and the least pivot of each lane.
+    #[inline(always)]
+    pub fn new(simd: S, mut a: Matrix<S>) -> (Self, Re<S>) {
+        let n = a.columns;
+        let (zero, one, tiny) = (Re::splat(simd, 0.0), Re::splat(simd, 1.0), Re::splat(simd, 1e-300));
+        let mut least = Re::splat(simd, f64::MAX);
+        for i in 0..n {
+            for j in 0..i {
+                let (upper, lower) = a.two_rows(j, i);
+                lower[j] = (lower[j] - dot(&lower[..j], &upper[..j], zero)) * upper[j];
+            }
+            let row = a.row_mut(i);
+            let pivot = row[i] - dot(&row[..i], &row[..i], zero);
+            least = pivot.if_less(least, pivot, least);
+            row[i] = tiny.if_less(pivot, one / pivot.max(tiny).sqrt(), zero);
+            row[i + 1..].fill(zero);
+        }
+        (Self(a), least)
+    }
+
+    /// Solves `L x = b` in place.
+    #[inline(always)]
+    pub fn solve_lower(&self, x: &mut [Re<S>], zero: Re<S>) {
+        for i in 0..x.len() {
+            let row = self.0.row(i);
+            x[i] = (x[i] - dot(&row[..i], &x[..i], zero)) * row[i];
+        }
+    }
+
+    /// Solves `L^T x = b` in place.
+    #[inline(always)]
+    pub fn solve_upper(&self, x: &mut [Re<S>]) {
+        for i in (0..x.len()).rev() {
+            let row = self.0.row(i);
+            x[i] = x[i] * row[i];
+            let value = x[i];
+            subtract_scaled(&mut x[..i], value, &row[..i]);
+        }
+    }
+
+    /// Solves `L L^T x = b` in place.
+    #[inline(always)]
+    pub fn solve(&self, x: &mut [Re<S>], zero: Re<S>) {
+        self.solve_lower(x, zero);
+        self.solve_upper(x);
+    }
+
+    /// `L L^T X = B` in place, for all columns of `B` at once.
+    #[inline(always)]
+    pub fn solve_columns(&self, b: &mut Matrix<S>) {
+        let n = self.0.columns;
+        for i in 0..n {
+            for k in 0..i {
+                let factor = self.0.data[i * n + k];
+                let (upper, lower) = b.two_rows(k, i);
+                subtract_scaled(lower, factor, upper);
+            }
+            let inverse = self.0.data[i * n + i];
+            b.row_mut(i).iter_mut().for_each(|x| *x = *x * inverse);
+        }
+        for i in (0..n).rev() {
+            let inverse = self.0.data[i * n + i];
+            b.row_mut(i).iter_mut().for_each(|x| *x = *x * inverse);
+            for k in 0..i {
+                let factor = self.0.data[i * n + k];
+                let (upper, lower) = b.two_rows(k, i);
+                subtract_scaled(upper, factor, lower);
+            }
+        }
+    }
+}

@@ -1,0 +1,689 @@
+//! Through a stack from the ground up, and back down.
+//!
+//! Whatever lies below a plane answers light by `d = Z s + e`: a symmetric positive admittance and what comes from its own
+//! sources. A ground has a simple `Z`; a layer, in its modes, and a refracting plane, stream by stream, are resistances in
+//! series with what is below them. Sums and products of positive matrices are all there is, so nothing cancels however
+//! thick, thin, or clear a layer is. (The invariant imbedding of `chandrasekhar1960` in the form of a transmission line.)
+//!
+//! Radiances are basic ones, `I / n^2`, which refraction leaves alone.
+
+use pulp::Simd;
+
+use super::beam::{BeamLine, Thickness};
+use super::depth::{LinearOverlap, Overlap, resistance};
+use super::legendre::Orders;
+use super::matrix::{Cholesky, Matrix, dot, product, subtract_scaled, symmetric_product};
+use super::modes::{Modes, Table};
+use super::plan::Plan;
+use crate::lanes::{LaneArray, MAX_LANES, Re};
+use crate::transfer::Ground;
+
+/// What drives the light, for one right-hand side.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Drive {
+    /// Cosine above, and flux onto the horizontal.
+    pub beam: Option<(f64, f64)>,
+    /// Radiance that falls in from all directions above.
+    pub above: f64,
+    /// And below.
+    pub below: f64,
+    /// Whether the layers emit.
+    pub emission: bool,
+}
+
+/// One problem per lane: stacks of one shape, each with an order of the expansion in azimuth.
+pub(super) struct Lanes<'a> {
+    pub plans: [&'a Plan<'a>; MAX_LANES],
+    pub orders: Orders,
+}
+
+impl Lanes<'_> {
+    #[inline(always)]
+    pub fn gather<S: Simd>(&self, simd: S, mut value: impl FnMut(&Plan, usize) -> f64) -> Re<S> {
+        let lanes: LaneArray = std::array::from_fn(|lane| value(self.plans[lane], self.orders[lane]));
+        Re::load(simd, &lanes)
+    }
+}
+
+/// A layer between two depths, and what was found on the way up.
+pub(super) struct Piece<S: Simd> {
+    /// Scaled optical thickness, and where its top lies below that of the layer.
+    pub thickness: Re<S>,
+    pub top: Re<S>,
+    series: Series<S>,
+    /// Admittance below, in modes.
+    below: Matrix<S>,
+    sech: Vec<Re<S>>,
+    /// For each drive: what comes from below, what the piece itself adds.
+    from_below: Vec<Vec<Re<S>>>,
+    own: Vec<Vec<Re<S>>>,
+}
+
+/// A layer with its modes.
+pub(super) struct Slice<S: Simd> {
+    pub modes: Modes<S>,
+    pub pieces: Vec<Piece<S>>,
+    /// For each drive that has a beam, its coupling to the modes: `X^T q_e` and `Y^T q_o` per flux along the beam.
+    pub beams: Vec<Option<[Vec<Re<S>>; 2]>>,
+}
+
+/// A plane that refracts.
+struct Crossing<S: Simd> {
+    series: Series<S>,
+    /// Of the streams that are trapped below.
+    trapped: Option<Trapped<S>>,
+    from_below: Vec<Vec<Re<S>>>,
+    admittance: Matrix<S>,
+    above: usize,
+}
+
+struct Trapped<S: Simd> {
+    factor: Cholesky<S>,
+    /// Rows: trapped streams; columns: the others.
+    coupling: Matrix<S>,
+    from_below: Vec<Vec<Re<S>>>,
+}
+
+/// Resistances in series with an admittance.
+struct Series<S: Simd> {
+    roots: Vec<Re<S>>,
+    factor: Cholesky<S>,
+    /// The admittance of both: `(Z^-1 + R)^-1`.
+    admittance: Matrix<S>,
+}
+
+impl<S: Simd> Series<S> {
+    #[inline(always)]
+    fn new(simd: S, z: &Matrix<S>, resistances: &[Re<S>]) -> Self {
+        let n = z.columns;
+        let one = Re::splat(simd, 1.0);
+        let least = Re::splat(simd, 1e-280);
+        let roots: Vec<Re<S>> = resistances.iter().map(|r| r.max(least).sqrt()).collect();
+        let mut scaled = Matrix::zeros(simd, n, n);
+        for i in 0..n {
+            for j in 0..n {
+                scaled.data[i * n + j] = z.data[i * n + j] * roots[i] * roots[j];
+            }
+        }
+        let mut sum = scaled.clone();
+        for i in 0..n {
+            sum.data[i * n + i] = sum.data[i * n + i] + one;
+        }
+        let (factor, _) = Cholesky::new(simd, sum);
+        factor.solve_columns(&mut scaled);
+        let inverse: Vec<Re<S>> = roots.iter().map(|root| one / *root).collect();
+        for i in 0..n {
+            for j in 0..n {
+                scaled.data[i * n + j] = scaled.data[i * n + j] * inverse[i] * inverse[j];
+            }
+        }
+        Self { roots, factor, admittance: scaled }
+    }
+
+    /// `(1 + R Z)^-1 v`.
+    #[inline(always)]
+    fn divide(&self, simd: S, v: &mut [Re<S>]) {
+        let one = Re::splat(simd, 1.0);
+        v.iter_mut().zip(&self.roots).for_each(|(v, root)| *v = *v * (one / *root));
+        self.factor.solve(v, Re::splat(simd, 0.0));
+        v.iter_mut().zip(&self.roots).for_each(|(v, root)| *v = *v * *root);
+    }
+
+    /// `e + y (u - R e)`.
+    #[inline(always)]
+    fn carry(&self, simd: S, e: &[Re<S>], u: Option<&[Re<S>]>) -> Vec<Re<S>> {
+        let zero = Re::splat(simd, 0.0);
+        let mut drop: Vec<Re<S>> = e.iter().zip(&self.roots).map(|(e, root)| zero - *e * *root * *root).collect();
+        if let Some(u) = u {
+            drop.iter_mut().zip(u).for_each(|(drop, u)| *drop = *drop + *u);
+        }
+        (0..e.len()).map(|i| e[i] + dot(self.admittance.row(i), &drop, zero)).collect()
+    }
+}
+
+/// The state at a boundary, for one drive: sums and differences of the weighted streams.
+#[derive(Clone)]
+pub(super) struct Level<S: Simd> {
+    pub s: Vec<Re<S>>,
+    pub d: Vec<Re<S>>,
+}
+
+/// The state of the modes at the top and the bottom of a piece.
+pub(super) struct ModalLevels<S: Simd> {
+    pub top: Level<S>,
+    pub bottom: Level<S>,
+}
+
+/// All that was found, for every drive.
+pub(super) struct Answer<S: Simd> {
+    /// Just above the first plane, and just below the last.
+    pub above: Vec<Level<S>>,
+    pub below: Vec<Level<S>>,
+    /// By layer, piece and drive; `s` holds `f`, `d` holds `g`.
+    pub pieces: Vec<Vec<Vec<ModalLevels<S>>>>,
+}
+
+/// A swept stack.
+pub(super) struct Sweep<'a, S: Simd> {
+    pub simd: S,
+    pub lanes: &'a Lanes<'a>,
+    pub drives: &'a [Drive],
+    /// The beams of each drive and lane.
+    pub beams: Vec<Vec<Option<BeamLine>>>,
+    pub tables: Vec<Table<S>>,
+    pub slices: Vec<Slice<S>>,
+    crossings: Vec<Option<Crossing<S>>>,
+    top: Series<S>,
+    /// Admittance and sources just above the first plane.
+    from_all: (Matrix<S>, Vec<Vec<Re<S>>>),
+}
+
+impl<'a, S: Simd> Sweep<'a, S> {
+    /// From the ground up. `cuts` are, for each layer and lane, the scaled depths at which it is cut into pieces: as many
+    /// in each lane.
+    #[inline(always)]
+    pub fn new(simd: S, lanes: &'a Lanes<'a>, drives: &'a [Drive], cuts: &[Vec<Re<S>>]) -> Self {
+        let tables = tables(simd, lanes);
+        let beams: Vec<Vec<Option<BeamLine>>> = drives.iter().map(|drive| beam_lines(lanes, drive)).collect();
+        let first = lanes.plans[0];
+        let (mut z, mut e) = ground(simd, lanes, &tables[first.below], drives, &beams);
+        let count = first.layers.len();
+        let mut slices: Vec<Slice<S>> = Vec::with_capacity(count);
+        let mut crossings: Vec<Option<Crossing<S>>> = Vec::with_capacity(count + 1);
+        for j in (0..=count).rev() {
+            let above = if j == 0 { first.above } else { first.layers[j - 1].medium };
+            crossings.push(if first.planes[j].resistance.is_some() {
+                let crossing = cross(simd, lanes, j, tables[above].cosines.len(), z, e);
+                (z, e) = crossing.seen_from_above(simd);
+                Some(crossing)
+            } else {
+                None
+            });
+            if j > 0 {
+                let table = &tables[above];
+                let mut slice = slice(simd, lanes, j - 1, table, drives, &beams);
+                (z, e) = slice.climb(simd, lanes, j - 1, table, (drives, &beams), &cuts[j - 1], z, e);
+                slices.push(slice);
+            }
+        }
+        slices.reverse();
+        crossings.reverse();
+        let open = vec![Re::splat(simd, 1.0); z.columns];
+        let top = Series::new(simd, &z, &open);
+        Self { simd, lanes, drives, beams, tables, slices, crossings, top, from_all: (z, e) }
+    }
+
+    /// Back down.
+    #[inline(always)]
+    pub fn descend(&self) -> Answer<S> {
+        let simd = self.simd;
+        let zero = Re::splat(simd, 0.0);
+        let mut answer =
+            Answer { above: Vec::new(), below: Vec::new(), pieces: self.slices.iter().map(|_| Vec::new()).collect() };
+        for (layer, slice) in self.slices.iter().enumerate() {
+            answer.pieces[layer] = slice.pieces.iter().map(|_| Vec::new()).collect();
+        }
+        for (index, drive) in self.drives.iter().enumerate() {
+            let table = &self.tables[self.lanes.plans[0].above];
+            let mut level = self.enter(index, drive, table);
+            answer.above.push(level.clone());
+            for j in 0..self.crossings.len() {
+                if let Some(crossing) = &self.crossings[j] {
+                    level = crossing.descend(simd, index, &level);
+                }
+                let Some(slice) = self.slices.get(j) else { break };
+                let modes = &slice.modes;
+                let mut modal =
+                    Level { s: modes.project(&modes.y, &level.s, zero), d: modes.project(&modes.x, &level.d, zero) };
+                for (piece, list) in slice.pieces.iter().zip(&mut answer.pieces[j]) {
+                    let bottom = piece.descend(simd, index, &modal);
+                    list.push(ModalLevels { top: modal, bottom: bottom.clone() });
+                    modal = bottom;
+                }
+                level =
+                    Level { s: modes.combine(simd, &modes.x, &modal.s), d: modes.combine(simd, &modes.y, &modal.d) };
+            }
+            answer.below.push(level);
+        }
+        answer
+    }
+
+    /// The state above the first plane: radiance that falls in is known, the rest answers.
+    #[inline(always)]
+    fn enter(&self, index: usize, drive: &Drive, table: &Table<S>) -> Level<S> {
+        let simd = self.simd;
+        let zero = Re::splat(simd, 0.0);
+        let (z, e) = (&self.from_all.0, &self.from_all.1[index]);
+        let falling = self.lanes.gather(simd, |plan, m| basic(drive.above, m, plan.media[plan.above].index));
+        let two = Re::splat(simd, 2.0);
+        let mut s: Vec<Re<S>> = (0..z.columns).map(|i| two * falling * table.root_flux(i) - e[i]).collect();
+        self.top.divide(simd, &mut s);
+        let d = (0..z.columns).map(|i| dot(z.row(i), &s, zero) + e[i]).collect();
+        Level { s, d }
+    }
+}
+
+/// The basic radiance of diffuse light, which has order 0 alone.
+fn basic(radiance: f64, order: usize, index: f64) -> f64 {
+    if order == 0 { radiance / (index * index) } else { 0.0 }
+}
+
+#[inline(always)]
+fn tables<S: Simd>(simd: S, lanes: &Lanes) -> Vec<Table<S>> {
+    let first = lanes.plans[0];
+    let least = lanes.orders.iter().min().copied().unwrap_or(0);
+    let table = |medium: usize| {
+        let count = first.media[medium].streams.len();
+        let stream = |i: usize, value: fn(&crate::transfer::streams::Stream) -> f64| {
+            lanes.gather(simd, |plan, _| value(&plan.media[medium].streams[i]))
+        };
+        let cosines = (0..count).map(|i| stream(i, |s| s.cosine)).collect();
+        let weights = (0..count).map(|i| stream(i, |s| s.weight)).collect();
+        let index = lanes.gather(simd, |plan, _| plan.media[medium].index);
+        Table::new(simd, cosines, weights, index, lanes.orders, (2 * count).saturating_sub(least).max(1))
+    };
+    (0..first.media.len()).map(table).collect()
+}
+
+fn beam_lines(lanes: &Lanes, drive: &Drive) -> Vec<Option<BeamLine>> {
+    let line = |plan: &&Plan| drive.beam.map(|(cosine, flux)| BeamLine::new(plan, cosine, flux, &Thickness::Scaled));
+    lanes.plans.iter().map(line).collect()
+}
+
+/// The admittance of the ground, or of the half-space below, and what comes from there.
+#[inline(always)]
+fn ground<S: Simd>(
+    simd: S,
+    lanes: &Lanes,
+    table: &Table<S>,
+    drives: &[Drive],
+    beams: &[Vec<Option<BeamLine>>],
+) -> (Matrix<S>, Vec<Vec<Re<S>>>) {
+    let n = table.cosines.len();
+    let zero = Re::splat(simd, 0.0);
+    // A share that every stream keeps, and one that goes into the mean of all.
+    let mirror = lanes.gather(simd, |plan, _| match plan.stack.ground {
+        Ground::Mirror(share) => (1.0 - share) / (1.0 + share),
+        _ => 1.0,
+    });
+    let diffuse = lanes.gather(simd, |plan, m| match plan.stack.ground {
+        Ground::Lambertian(share) if m == 0 => share,
+        _ => 0.0,
+    });
+    let roots: Vec<Re<S>> = (0..n).map(|i| table.root_flux(i)).collect();
+    let square = dot(&roots, &roots, zero);
+    let one = Re::splat(simd, 1.0);
+    let mixing = (diffuse + diffuse) / ((one + diffuse) * square);
+    let mut z = Matrix::zeros(simd, n, n);
+    for i in 0..n {
+        for j in 0..n {
+            z.data[i * n + j] = zero - mixing * roots[i] * roots[j];
+        }
+        z.data[i * n + i] = z.data[i * n + i] + mirror;
+    }
+    let e = drives.iter().zip(beams).map(|(drive, beams)| {
+        let mut lane = 0;
+        let rising = lanes.gather(simd, |plan, m| {
+            let beam = beams[lane].as_ref().map_or(0.0, |beam| beam.on_ground);
+            lane += 1;
+            let index = plan.media[plan.below].index;
+            let from_beam = match plan.stack.ground {
+                Ground::Lambertian(share) => basic(share * beam / std::f64::consts::PI, m, index),
+                _ => 0.0,
+            };
+            // Behind a ground there is no light.
+            let outside = if plan.stack.ground == Ground::Black { basic(drive.below, m, index) } else { 0.0 };
+            from_beam + outside
+        });
+        let scale = (rising + rising) / (one + diffuse);
+        roots.iter().map(|root| zero - scale * *root).collect()
+    });
+    (z, e.collect())
+}
+
+#[inline(always)]
+fn cross<S: Simd>(simd: S, lanes: &Lanes, plane: usize, above: usize, z: Matrix<S>, e: Vec<Vec<Re<S>>>) -> Crossing<S> {
+    let common = above.min(z.columns);
+    let resistances: Vec<Re<S>> = (0..common)
+        .map(|i| lanes.gather(simd, |plan, _| plan.planes[plane].resistance.as_ref().map_or(0.0, |r| r[i])))
+        .collect();
+    let (admittance, from_below, trapped) =
+        if common < z.columns { eliminate(simd, z, e, common) } else { (z, e, None) };
+    let series = Series::new(simd, &admittance, &resistances);
+    Crossing { series, trapped, from_below, admittance, above }
+}
+
+/// Without the streams from `common` on, which find no way up: their difference is 0.
+#[inline(always)]
+fn eliminate<S: Simd>(
+    simd: S,
+    z: Matrix<S>,
+    mut e: Vec<Vec<Re<S>>>,
+    common: usize,
+) -> (Matrix<S>, Vec<Vec<Re<S>>>, Option<Trapped<S>>) {
+    let count = z.columns - common;
+    let zero = Re::splat(simd, 0.0);
+    let (mut inner, mut coupling) = (Matrix::zeros(simd, count, count), Matrix::zeros(simd, count, common));
+    let mut outer = Matrix::zeros(simd, common, common);
+    for t in 0..count {
+        inner.row_mut(t).copy_from_slice(&z.row(common + t)[common..]);
+        coupling.row_mut(t).copy_from_slice(&z.row(common + t)[..common]);
+    }
+    for i in 0..common {
+        outer.row_mut(i).copy_from_slice(&z.row(i)[..common]);
+    }
+    let (factor, _) = Cholesky::new(simd, inner);
+    let mut solved = coupling.clone();
+    factor.solve_columns(&mut solved);
+    for t in 0..count {
+        for i in 0..common {
+            let weight = coupling.row(t)[i];
+            subtract_scaled(outer.row_mut(i), weight, solved.row(t));
+        }
+    }
+    let mut from_below = Vec::with_capacity(e.len());
+    for e in &mut e {
+        let mut rest = e.split_off(common);
+        from_below.push(rest.clone());
+        factor.solve(&mut rest, zero);
+        for (t, value) in rest.iter().enumerate() {
+            subtract_scaled(e, *value, coupling.row(t));
+        }
+    }
+    (outer, e, Some(Trapped { factor, coupling, from_below }))
+}
+
+impl<S: Simd> Crossing<S> {
+    /// The streams that only exist above are reflected totally: their difference is 0.
+    #[inline(always)]
+    fn seen_from_above(&self, simd: S) -> (Matrix<S>, Vec<Vec<Re<S>>>) {
+        let common = self.admittance.columns;
+        let zero = Re::splat(simd, 0.0);
+        let mut z = Matrix::zeros(simd, self.above, self.above);
+        for i in 0..common {
+            z.row_mut(i)[..common].copy_from_slice(self.series.admittance.row(i));
+        }
+        let e = self.from_below.iter().map(|e| {
+            let mut e = self.series.carry(simd, e, None);
+            e.resize(self.above, zero);
+            e
+        });
+        (z, e.collect())
+    }
+
+    #[inline(always)]
+    fn descend(&self, simd: S, drive: usize, above: &Level<S>) -> Level<S> {
+        let zero = Re::splat(simd, 0.0);
+        let common = self.admittance.columns;
+        let e = &self.from_below[drive];
+        let mut s: Vec<Re<S>> =
+            (0..common).map(|i| above.s[i] - self.series.roots[i] * self.series.roots[i] * e[i]).collect();
+        self.series.divide(simd, &mut s);
+        let mut d: Vec<Re<S>> = (0..common).map(|i| dot(self.admittance.row(i), &s, zero) + e[i]).collect();
+        if let Some(Trapped { factor, coupling, from_below }) = &self.trapped {
+            let mut rest: Vec<Re<S>> = (0..from_below[drive].len())
+                .map(|t| zero - from_below[drive][t] - dot(coupling.row(t), &s[..common], zero))
+                .collect();
+            factor.solve(&mut rest, zero);
+            d.resize(common + rest.len(), zero);
+            s.extend(rest);
+        }
+        Level { s, d }
+    }
+}
+
+#[inline(always)]
+fn slice<S: Simd>(
+    simd: S,
+    lanes: &Lanes,
+    layer: usize,
+    table: &Table<S>,
+    drives: &[Drive],
+    beams: &[Vec<Option<BeamLine>>],
+) -> Slice<S> {
+    let strength = (0..table.functions.columns).map(|j| {
+        lanes.gather(simd, |plan, m| {
+            let scaled = &plan.layers[layer];
+            let degree = m + j;
+            scaled.moments.get(degree).map_or(0.0, |chi| scaled.albedo * (2 * degree + 1) as f64 * chi)
+        })
+    });
+    let loss = lanes.gather(simd, |plan, _| plan.layers[layer].loss);
+    let modes = Modes::new(simd, table, strength.collect(), loss);
+    let beams = drives.iter().zip(beams).map(|(drive, beams)| {
+        drive.beam.map(|_| {
+            let cosine: LaneArray =
+                std::array::from_fn(|lane| beams[lane].as_ref().map_or(1.0, |beam| beam.layers[layer].cosine));
+            modes.coupling(simd, table, Re::load(simd, &cosine))
+        })
+    });
+    let beams = beams.collect();
+    Slice { modes, pieces: Vec::new(), beams }
+}
+
+impl<S: Simd> Slice<S> {
+    /// From the bottom of the layer to its top: the admittance and sources there.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "the state of the sweep")]
+    fn climb(
+        &mut self,
+        simd: S,
+        lanes: &Lanes,
+        layer: usize,
+        table: &Table<S>,
+        (drives, beams): (&[Drive], &[Vec<Option<BeamLine>>]),
+        cuts: &[Re<S>],
+        z: Matrix<S>,
+        e: Vec<Vec<Re<S>>>,
+    ) -> (Matrix<S>, Vec<Vec<Re<S>>>) {
+        let zero = Re::splat(simd, 0.0);
+        let whole = lanes.gather(simd, |plan, _| plan.layers[layer].thickness);
+        let modes = &self.modes;
+        // Z is symmetric: so is what it becomes in modes.
+        let half = product(simd, &modes.x, &z);
+        let mut z = symmetric_product(simd, &half, &modes.x);
+        let mut e: Vec<Vec<Re<S>>> = e.iter().map(|e| modes.project(&modes.x, e, zero)).collect();
+        let ends: Vec<Re<S>> = [zero].iter().chain(cuts).chain([&whole]).copied().collect();
+        for pair in ends.windows(2).rev() {
+            let (top, thickness) = (pair[0], pair[1] - pair[0]);
+            let drivers = Drivers { simd, lanes, layer, table, modes, top, thickness, whole };
+            let own = drives.iter().zip(beams).zip(&self.beams);
+            let own: Vec<[Vec<Re<S>>; 2]> =
+                own.map(|((drive, lines), coupling)| drivers.own(drive, lines, coupling.as_ref())).collect();
+            let (piece, up) = piece(simd, modes, top, thickness, z, e, own);
+            (z, e) = up;
+            self.pieces.push(piece);
+        }
+        self.pieces.reverse();
+        let half = product(simd, &z, &modes.y);
+        let n = modes.y.columns;
+        let mut through = Matrix::zeros(simd, n, n);
+        for k in 0..n {
+            for i in 0..n {
+                let weight = modes.y.row(k)[i];
+                // The lower half; the rest is its mirror image.
+                let row = &mut through.row_mut(i)[..=i];
+                row.iter_mut().zip(half.row(k)).for_each(|(sum, value)| *sum = weight.mul_add(*value, *sum));
+            }
+        }
+        for i in 0..n {
+            for j in 0..i {
+                through.data[j * n + i] = through.data[i * n + j];
+            }
+        }
+        let e = e.iter().map(|e| modes.combine(simd, &modes.y, e)).collect();
+        (through, e)
+    }
+}
+
+#[inline(always)]
+#[expect(clippy::type_complexity, reason = "a piece, and the state above it")]
+fn piece<S: Simd>(
+    simd: S,
+    modes: &Modes<S>,
+    top: Re<S>,
+    thickness: Re<S>,
+    z: Matrix<S>,
+    e: Vec<Vec<Re<S>>>,
+    own: Vec<[Vec<Re<S>>; 2]>,
+) -> (Piece<S>, (Matrix<S>, Vec<Vec<Re<S>>>)) {
+    let n = z.columns;
+    let t = thickness.lanes();
+    let (mut resistances, mut sech) = (Vec::with_capacity(n), Vec::with_capacity(n));
+    for k in &modes.k {
+        let k = k.lanes();
+        resistances.push(lanewise::<S>(simd, |lane| resistance(k[lane], t[lane])));
+        sech.push(lanewise::<S>(simd, |lane| super::depth::sech(k[lane] * t[lane])));
+    }
+    let series = Series::new(simd, &z, &resistances);
+    let mut up = Matrix::zeros(simd, n, n);
+    for i in 0..n {
+        for j in 0..n {
+            up.data[i * n + j] = series.admittance.data[i * n + j] * sech[i] * sech[j];
+        }
+        let k = modes.k[i];
+        up.data[i * n + i] = (k * k).mul_add(resistances[i], up.data[i * n + i]);
+    }
+    let mut from_all = Vec::with_capacity(e.len());
+    let mut driven = Vec::with_capacity(e.len());
+    for (e, [u, w]) in e.iter().zip(own) {
+        let carried = series.carry(simd, e, Some(&u));
+        from_all.push((0..n).map(|i| sech[i].mul_add(carried[i], w[i])).collect());
+        driven.push(u);
+    }
+    (Piece { thickness, top, series, below: z, sech, from_below: e, own: driven }, (up, from_all))
+}
+
+impl<S: Simd> Piece<S> {
+    #[inline(always)]
+    fn descend(&self, simd: S, drive: usize, top: &Level<S>) -> Level<S> {
+        let zero = Re::splat(simd, 0.0);
+        let n = self.sech.len();
+        let (e, u) = (&self.from_below[drive], &self.own[drive]);
+        let mut f: Vec<Re<S>> = (0..n)
+            .map(|i| self.sech[i].mul_add(top.s[i], u[i] - self.series.roots[i] * self.series.roots[i] * e[i]))
+            .collect();
+        self.series.divide(simd, &mut f);
+        let g = (0..n).map(|i| dot(self.below.row(i), &f, zero) + e[i]).collect();
+        Level { s: f, d: g }
+    }
+}
+
+/// One number per lane.
+#[inline(always)]
+pub(super) fn lanewise<S: Simd>(simd: S, value: impl Fn(usize) -> f64) -> Re<S> {
+    let mut lanes = [0.0; MAX_LANES];
+    lanes[..S::F64_LANES].iter_mut().enumerate().for_each(|(lane, out)| *out = value(lane));
+    Re::load(simd, &lanes)
+}
+
+/// What drives the modes of a piece.
+struct Drivers<'a, S: Simd> {
+    simd: S,
+    lanes: &'a Lanes<'a>,
+    layer: usize,
+    table: &'a Table<S>,
+    modes: &'a Modes<S>,
+    top: Re<S>,
+    thickness: Re<S>,
+    whole: Re<S>,
+}
+
+impl<S: Simd> Drivers<'_, S> {
+    /// What the sources in the piece give to `f` at the bottom, and to `g` at the top.
+    #[inline(always)]
+    fn own(&self, drive: &Drive, lines: &[Option<BeamLine>], coupling: Option<&[Vec<Re<S>>; 2]>) -> [Vec<Re<S>>; 2] {
+        let zero = Re::splat(self.simd, 0.0);
+        let n = self.modes.k.len();
+        let mut own = [vec![zero; n], vec![zero; n]];
+        if let Some(coupling) = coupling {
+            self.add_beam(lines, coupling, &mut own);
+        }
+        if drive.emission {
+            self.add_emission(&mut own);
+        }
+        own
+    }
+
+    #[inline(always)]
+    fn add_beam(&self, lines: &[Option<BeamLine>], [even, odd]: &[Vec<Re<S>>; 2], own: &mut [Vec<Re<S>>; 2]) {
+        let strengths = self.strengths(lines);
+        let (top, t) = (self.top.lanes(), self.thickness.lanes());
+        let whole = self.whole.lanes();
+        let nu: LaneArray = strengths.map(|(_, _, cosine)| 1.0 / cosine);
+        let fade: LaneArray = std::array::from_fn(|lane| (-nu[lane] * t[lane]).exp());
+        let down = lanewise(self.simd, |lane| strengths[lane].0 * (-nu[lane] * top[lane]).exp());
+        let up = lanewise(self.simd, |lane| {
+            strengths[lane].1 * (-nu[lane] * (whole[lane] - top[lane] - t[lane]).max(0.0)).exp()
+        });
+        for i in 0..self.modes.k.len() {
+            let k = self.modes.k[i].lanes();
+            let mut parts = [[0.0; MAX_LANES]; 4];
+            for lane in 0..S::F64_LANES {
+                let mode = (-k[lane] * t[lane]).exp();
+                let known = [mode, fade[lane], resistance(k[lane], t[lane])];
+                let o = Overlap::new(k[lane], nu[lane], t[lane], known);
+                parts[0][lane] = o.cosh;
+                parts[1][lane] = o.sinh;
+                parts[2][lane] = o.cosh_back;
+                parts[3][lane] = o.sinh_back;
+            }
+            let [cosh, sinh, cosh_back, sinh_back] = parts.map(|part| Re::load(self.simd, &part));
+            let k2 = self.modes.k[i] * self.modes.k[i];
+            let (alpha, beta) = (odd[i], even[i]);
+            // The beam up has the odd part of the other sign, and runs from the bottom.
+            own[0][i] = own[0][i] + down * (cosh * alpha + sinh * beta) + up * (sinh_back * beta - cosh_back * alpha);
+            own[1][i] =
+                own[1][i] + down * (k2 * sinh_back * alpha - cosh_back * beta) - up * (k2 * sinh * alpha + cosh * beta);
+        }
+    }
+
+    /// Of each lane: the beam down at the top of the layer and up at its bottom, as they drive the modes, and the cosine.
+    #[inline(always)]
+    fn strengths(&self, lines: &[Option<BeamLine>]) -> [(f64, f64, f64); MAX_LANES] {
+        std::array::from_fn(|lane| {
+            let Some(beam) = lines[lane].as_ref().map(|line| line.layers[self.layer]) else { return (0.0, 0.0, 1.0) };
+            let scale = azimuthal(self.lanes.orders[lane]) / beam.cosine;
+            (beam.down * scale, beam.up * scale, beam.cosine)
+        })
+    }
+
+    #[inline(always)]
+    fn add_emission(&self, own: &mut [Vec<Re<S>>; 2]) {
+        let simd = self.simd;
+        let zero = Re::splat(simd, 0.0);
+        let drive: Vec<Re<S>> = (0..self.table.cosines.len())
+            .map(|i| self.table.index * (self.table.weights[i] / self.table.cosines[i]).sqrt())
+            .collect();
+        let shares = self.modes.project(&self.modes.x, &drive, zero);
+        let [from, slope] = self.emitted();
+        let t = self.thickness.lanes();
+        for (i, share) in shares.iter().enumerate() {
+            let k = self.modes.k[i].lanes();
+            let o: [LinearOverlap; MAX_LANES] = std::array::from_fn(|lane| LinearOverlap::new(k[lane], t[lane]));
+            let flat = lanewise(simd, |lane| o[lane].flat);
+            let rising = lanewise(simd, |lane| o[lane].rising);
+            let steep = lanewise(simd, |lane| o[lane].steep);
+            own[0][i] = own[0][i] + *share * (from * rising + slope * steep);
+            own[1][i] = own[1][i] - *share * (from * flat + slope * rising);
+        }
+    }
+
+    /// Twice what is emitted per optical depth: at the top of the piece, and its slope.
+    #[inline(always)]
+    pub fn emitted(&self) -> [Re<S>; 2] {
+        let scale = |plan: &Plan, m: usize| if m == 0 { 2.0 * plan.layers[self.layer].loss } else { 0.0 };
+        let emission = |plan: &Plan| plan.stack.layers[self.layer].emission;
+        let from = self.lanes.gather(self.simd, |plan, m| scale(plan, m) * emission(plan)[0]);
+        let slope = self.lanes.gather(self.simd, |plan, m| {
+            let [top, bottom] = emission(plan);
+            scale(plan, m) * (bottom - top) / plan.layers[self.layer].thickness.max(1e-300)
+        });
+        [from + slope * self.top, slope]
+    }
+}
+
+/// What a beam of flux 1 along its direction gives to one order of the sum over azimuths: `(2 - delta_m0) / 2 pi`.
+pub(super) fn azimuthal(order: usize) -> f64 {
+    if order == 0 { 0.5 / std::f64::consts::PI } else { 1.0 / std::f64::consts::PI }
+}
