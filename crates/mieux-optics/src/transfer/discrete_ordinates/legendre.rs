@@ -18,17 +18,19 @@ impl<S: Simd> Recurrence<S> {
     /// For `count` degrees from `l = m` on.
     #[inline(always)]
     pub fn new(simd: S, orders: Orders, count: usize) -> Self {
-        let factor = |value: &dyn Fn(f64, f64) -> f64, j: usize| {
-            let lanes: LaneArray = std::array::from_fn(|lane| value(j as f64, orders[lane] as f64));
-            Re::load(simd, &lanes)
-        };
-        let rise = |j: f64, m: f64| (2.0 * (m + j) + 1.0) / ((j + 1.0) * (j + 1.0 + 2.0 * m)).sqrt();
-        let fall = |j: f64, m: f64| ((j * (j + 2.0 * m)) / ((j + 1.0) * (j + 1.0 + 2.0 * m))).sqrt();
-        Self {
-            rise: (0..count).map(|j| factor(&rise, j)).collect(),
-            fall: (0..count).map(|j| factor(&fall, j)).collect(),
-            orders,
+        let orders_abreast: LaneArray = orders.map(|m| m as f64);
+        let twice = Re::load(simd, &orders_abreast) + Re::load(simd, &orders_abreast);
+        let one = Re::splat(simd, 1.0);
+        let (mut rise, mut fall) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut before = Re::splat(simd, 0.0);
+        for j in 0..count {
+            let next = Re::splat(simd, (j + 1) as f64);
+            let inverse = one / (next * (next + twice)).sqrt();
+            rise.push((twice + next + next - one) * inverse);
+            fall.push(before * inverse);
+            before = (next * (next + twice)).sqrt();
         }
+        Self { rise, fall, orders }
     }
 
     /// Appends the functions of `count` degrees at one cosine per lane to `out`.

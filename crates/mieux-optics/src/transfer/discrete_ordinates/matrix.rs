@@ -73,6 +73,42 @@ pub(super) fn subtract_scaled<S: Simd>(y: &mut [Re<S>], factor: Re<S>, x: &[Re<S
     }
 }
 
+/// `y = factor y`. (Loops, not closures: only what is inlined runs in wide registers.)
+#[inline(always)]
+pub(super) fn scale<S: Simd>(y: &mut [Re<S>], factor: Re<S>) {
+    for y in y {
+        *y = *y * factor;
+    }
+}
+
+/// `y = x y`, one by one.
+#[inline(always)]
+pub(super) fn multiply<S: Simd>(y: &mut [Re<S>], x: &[Re<S>]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y = *y * *x;
+    }
+}
+
+/// `A x`.
+#[inline(always)]
+pub(super) fn apply<S: Simd>(a: &Matrix<S>, x: &[Re<S>], zero: Re<S>) -> Vec<Re<S>> {
+    let mut y = Vec::with_capacity(a.rows());
+    for i in 0..a.rows() {
+        y.push(dot(a.row(i), x, zero));
+    }
+    y
+}
+
+/// `A x + b`.
+#[inline(always)]
+pub(super) fn apply_add<S: Simd>(a: &Matrix<S>, x: &[Re<S>], b: &[Re<S>], zero: Re<S>) -> Vec<Re<S>> {
+    let mut y = Vec::with_capacity(a.rows());
+    for i in 0..a.rows() {
+        y.push(dot(a.row(i), x, zero) + b[i]);
+    }
+    y
+}
+
 /// `A B`.
 #[inline(always)]
 pub(super) fn product<S: Simd>(simd: S, a: &Matrix<S>, b: &Matrix<S>) -> Matrix<S> {
@@ -173,11 +209,11 @@ impl<S: Simd> Cholesky<S> {
                 subtract_scaled(lower, factor, upper);
             }
             let inverse = self.0.data[i * n + i];
-            b.row_mut(i).iter_mut().for_each(|x| *x = *x * inverse);
+            scale(b.row_mut(i), inverse);
         }
         for i in (0..n).rev() {
             let inverse = self.0.data[i * n + i];
-            b.row_mut(i).iter_mut().for_each(|x| *x = *x * inverse);
+            scale(b.row_mut(i), inverse);
             for k in 0..i {
                 let factor = self.0.data[i * n + k];
                 let (upper, lower) = b.two_rows(k, i);

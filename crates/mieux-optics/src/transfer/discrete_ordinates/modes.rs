@@ -14,7 +14,7 @@
 use pulp::Simd;
 
 use super::legendre::{Orders, Recurrence};
-use super::matrix::{Cholesky, Matrix, add_scaled, dot, subtract_scaled};
+use super::matrix::{Cholesky, Matrix, add_scaled, apply, dot, multiply, scale, subtract_scaled};
 use crate::lanes::{LaneArray, Re};
 
 /// What the streams of a medium are, and the Legendre functions at them.
@@ -44,7 +44,7 @@ impl<S: Simd> Table<S> {
             let first = functions.len();
             recurrence.append(simd, *cosine, &mut functions);
             let root = weight.sqrt();
-            functions[first..].iter_mut().for_each(|value| *value = *value * root);
+            scale(&mut functions[first..], root);
         }
         let mut functions = Matrix { columns: count, data: functions };
         let axial: LaneArray = orders.map(|m| if m == 0 { 1.0 } else { 0.0 });
@@ -52,9 +52,12 @@ impl<S: Simd> Table<S> {
         let n = cosines.len();
         // Under refraction the rule integrates polynomials almost but not quite. So that no light is made or lost, the
         // other even functions are made orthogonal to the constant one.
-        let mut constant: Vec<Re<S>> = (0..n).map(|i| functions.row(i)[0]).collect();
+        let mut constant = Vec::with_capacity(n);
+        for i in 0..n {
+            constant.push(functions.row(i)[0]);
+        }
         let norm = one / dot(&constant, &constant, zero).max(Re::splat(simd, 1e-300)).sqrt();
-        constant.iter_mut().for_each(|value| *value = *value * norm * axial);
+        scale(&mut constant, norm * axial);
         let constant_length = one + axial * (norm - one);
         let mut overlap = vec![zero; count];
         for (i, share) in constant.iter().enumerate() {
@@ -91,6 +94,16 @@ impl<S: Simd> Table<S> {
         self.index * (self.weights[i] * self.cosines[i]).sqrt()
     }
 
+    /// [`Self::root_flux`] of all.
+    #[inline(always)]
+    pub fn root_fluxes(&self) -> Vec<Re<S>> {
+        let mut roots = Vec::with_capacity(self.cosines.len());
+        for i in 0..self.cosines.len() {
+            roots.push(self.root_flux(i));
+        }
+        roots
+    }
+
     /// The functions reflected so that the constant one is the first axis (in lanes of order 0), a row a stream.
     #[inline(always)]
     fn reflected(&self, simd: S) -> Matrix<S> {
@@ -106,7 +119,7 @@ impl<S: Simd> Table<S> {
         }
         // What is known to be 0 is 0.
         let other = Re::splat(simd, 1.0) - self.axial;
-        reflected.row_mut(0).iter_mut().for_each(|value| *value = *value * other);
+        scale(reflected.row_mut(0), other);
         for i in 0..mirror.len() {
             let value = reflected.row(i)[0] * other;
             reflected.row_mut(i)[0] = if i == 0 { value + self.axial } else { value };
@@ -169,7 +182,7 @@ impl<S: Simd> Modes<S> {
         let zero = Re::splat(simd, 0.0);
         let mut there = Vec::with_capacity(self.strength.len());
         table.recurrence.append(simd, cosine, &mut there);
-        there.iter_mut().zip(&self.strength).for_each(|(value, strength)| *value = *value * *strength);
+        multiply(&mut there, &self.strength);
         // So that a beam scatters all it loses.
         there[0] = there[0] * table.constant;
         let n = table.cosines.len();
@@ -186,13 +199,7 @@ impl<S: Simd> Modes<S> {
             parts[0][i] = sums[0] * scale;
             parts[1][i] = sums[1] * scale;
         }
-        [self.project(&self.x, &parts[0], zero), self.project(&self.y, &parts[1], zero)]
-    }
-
-    /// Every row of `matrix` times a vector over the streams.
-    #[inline(always)]
-    pub fn project(&self, matrix: &Matrix<S>, vector: &[Re<S>], zero: Re<S>) -> Vec<Re<S>> {
-        (0..matrix.rows()).map(|k| dot(matrix.row(k), vector, zero)).collect()
+        [apply(&self.x, &parts[0], zero), apply(&self.y, &parts[1], zero)]
     }
 
     /// The sum of the rows of `matrix`, each times its factor.
@@ -211,18 +218,32 @@ impl<S: Simd> Modes<S> {
 fn remainder<S: Simd>(simd: S, functions: &Matrix<S>, strength: &[Re<S>], parity: usize) -> Matrix<S> {
     let n = functions.rows();
     let (zero, one) = (Re::splat(simd, 0.0), Re::splat(simd, 1.0));
-    let pick = |row: &[Re<S>]| -> Vec<Re<S>> { row.iter().skip(parity).step_by(2).copied().collect() };
-    let strength = pick(strength);
-    let rows: Vec<Vec<Re<S>>> = (0..n).map(|i| pick(functions.row(i))).collect();
-    let mut matrix = Matrix::zeros(simd, n, n);
+    let strength = every_other(strength, parity);
+    let mut rows = Matrix { columns: strength.len(), data: Vec::with_capacity(n * strength.len()) };
     for i in 0..n {
-        let weighted: Vec<Re<S>> = rows[i].iter().zip(&strength).map(|(p, c)| *p * *c).collect();
+        rows.data.extend(every_other(functions.row(i), parity));
+    }
+    let mut matrix = Matrix::zeros(simd, n, n);
+    if strength.is_empty() {
+        for i in 0..n {
+            matrix.data[i * n + i] = one;
+        }
+        return matrix;
+    }
+    for i in 0..n {
+        let mut weighted = rows.row(i).to_vec();
+        multiply(&mut weighted, &strength);
         for j in 0..=i {
-            let scattered = dot(&weighted, &rows[j], zero);
+            let scattered = dot(&weighted, rows.row(j), zero);
             matrix.data[i * n + j] = if i == j { one - scattered } else { zero - scattered };
         }
     }
     matrix
+}
+
+#[inline(always)]
+fn every_other<S: Simd>(row: &[Re<S>], from: usize) -> Vec<Re<S>> {
+    row.iter().skip(from).step_by(2).copied().collect()
 }
 
 /// The factor with its own diagonal instead of the inverse.
@@ -256,13 +277,16 @@ fn reflect<S: Simd>(simd: S, table: &Table<S>, mut factor: Matrix<S>) -> Matrix<
 #[inline(always)]
 fn conjugate<S: Simd>(simd: S, table: &Table<S>, odd: &Cholesky<S>, x: &Matrix<S>) -> Matrix<S> {
     let zero = Re::splat(simd, 0.0);
-    let roots: Vec<Re<S>> = table.cosines.iter().map(|cosine| cosine.sqrt()).collect();
+    let mut roots = table.cosines.clone();
+    for root in &mut roots {
+        *root = root.sqrt();
+    }
     let mut y = x.clone();
     for k in 0..y.rows() {
         let row = y.row_mut(k);
-        row.iter_mut().zip(&roots).for_each(|(value, root)| *value = *value * *root);
+        multiply(row, &roots);
         odd.solve(row, zero);
-        row.iter_mut().zip(&roots).for_each(|(value, root)| *value = *value * *root);
+        multiply(row, &roots);
     }
     y
 }
@@ -323,7 +347,10 @@ fn orthogonalise<S: Simd>(simd: S, g: &mut Matrix<S>, x: &mut Matrix<S>) -> Vec<
             break;
         }
     }
-    (0..n).map(|k| dot(g.row(k), g.row(k), zero).sqrt()).collect()
+    for (k, square) in squares.iter_mut().enumerate() {
+        *square = dot(g.row(k), g.row(k), zero).sqrt();
+    }
+    squares
 }
 
 #[inline(always)]

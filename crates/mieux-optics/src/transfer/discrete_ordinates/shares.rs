@@ -7,9 +7,10 @@ use pulp::{Simd, WithSimd};
 use super::DiscreteOrdinates;
 use super::beam::{BeamLine, Thickness};
 use super::matrix::dot;
+use super::modes::Table;
 use super::plan::{Plan, Shape};
-use super::sweep::{Drive, Lanes, Sweep};
-use crate::lanes::{MAX_LANES, Re};
+use super::sweep::{Drive, Lanes, Level, Sweep};
+use crate::lanes::{LaneArray, MAX_LANES, Re};
 use crate::transfer::{Ground, Incidence, Shares, Stack, TransferError};
 
 /// For every stack and every incidence.
@@ -66,20 +67,13 @@ impl WithSimd for Group<'_> {
             let sweep = Sweep::new(simd, &lanes, self.drives, &cuts);
             check_modes(&sweep, plans.len(), self.solver.streams)?;
             let answer = sweep.descend();
-            let zero = Re::splat(simd, 0.0);
             let mut found = vec![Vec::with_capacity(self.drives.len()); plans.len()];
             for (index, incidence) in self.incidences.iter().enumerate() {
-                let flux = |level: &super::sweep::Level<S>, medium: usize, sign: f64| {
-                    let table = &sweep.tables[medium];
-                    let roots: Vec<Re<S>> = (0..level.s.len()).map(|i| table.root_flux(i)).collect();
-                    let sign = Re::splat(simd, sign);
-                    let sum = dot(&roots, &level.s, zero) + sign * dot(&roots, &level.d, zero);
-                    (sum * Re::splat(simd, PI)).lanes()
-                };
-                let up = flux(&answer.above[index], plans[0].above, -1.0);
-                let down = flux(&answer.above[index], plans[0].above, 1.0);
-                let below_down = flux(&answer.below[index], plans[0].below, 1.0);
-                let below_up = flux(&answer.below[index], plans[0].below, -1.0);
+                let [above, below] = [plans[0].above, plans[0].below].map(|medium| &sweep.tables[medium]);
+                let up = flux(simd, above, &answer.above[index], -1.0);
+                let down = flux(simd, above, &answer.above[index], 1.0);
+                let below_down = flux(simd, below, &answer.below[index], 1.0);
+                let below_up = flux(simd, below, &answer.below[index], -1.0);
                 for (lane, plan) in plans.iter().enumerate() {
                     let line = sweep.beams[index][lane].as_ref();
                     let flows = Flows {
@@ -94,6 +88,15 @@ impl WithSimd for Group<'_> {
         }
         Ok(out)
     }
+}
+
+/// The flux of the streams: down (`sign` 1) or up (-1).
+#[inline(always)]
+fn flux<S: Simd>(simd: S, table: &Table<S>, level: &Level<S>, sign: f64) -> LaneArray {
+    let roots = table.root_fluxes();
+    let zero = Re::splat(simd, 0.0);
+    let sum = Re::splat(simd, sign).mul_add(dot(&roots, &level.d, zero), dot(&roots, &level.s, zero));
+    (sum * Re::splat(simd, PI)).lanes()
 }
 
 /// That every layer has modes.

@@ -12,7 +12,9 @@ use pulp::Simd;
 use super::beam::{BeamLine, Thickness};
 use super::depth::{LinearOverlap, Overlap, resistance};
 use super::legendre::Orders;
-use super::matrix::{Cholesky, Matrix, dot, product, subtract_scaled, symmetric_product};
+use super::matrix::{
+    Cholesky, Matrix, add_scaled, apply, apply_add, dot, multiply, product, scale, subtract_scaled, symmetric_product,
+};
 use super::modes::{Modes, Table};
 use super::plan::Plan;
 use crate::lanes::{LaneArray, MAX_LANES, Re};
@@ -86,7 +88,9 @@ struct Trapped<S: Simd> {
 
 /// Resistances in series with an admittance.
 struct Series<S: Simd> {
+    /// Their square roots, and the inverses of these.
     roots: Vec<Re<S>>,
+    inverse: Vec<Re<S>>,
     factor: Cholesky<S>,
     /// The admittance of both: `(Z^-1 + R)^-1`.
     admittance: Matrix<S>,
@@ -98,7 +102,14 @@ impl<S: Simd> Series<S> {
         let n = z.columns;
         let one = Re::splat(simd, 1.0);
         let least = Re::splat(simd, 1e-280);
-        let roots: Vec<Re<S>> = resistances.iter().map(|r| r.max(least).sqrt()).collect();
+        let mut roots = resistances.to_vec();
+        for root in &mut roots {
+            *root = root.max(least).sqrt();
+        }
+        let mut inverse = roots.clone();
+        for root in &mut inverse {
+            *root = one / *root;
+        }
         let mut scaled = Matrix::zeros(simd, n, n);
         for i in 0..n {
             for j in 0..n {
@@ -111,33 +122,40 @@ impl<S: Simd> Series<S> {
         }
         let (factor, _) = Cholesky::new(simd, sum);
         factor.solve_columns(&mut scaled);
-        let inverse: Vec<Re<S>> = roots.iter().map(|root| one / *root).collect();
         for i in 0..n {
             for j in 0..n {
                 scaled.data[i * n + j] = scaled.data[i * n + j] * inverse[i] * inverse[j];
             }
         }
-        Self { roots, factor, admittance: scaled }
+        Self { roots, inverse, factor, admittance: scaled }
     }
 
     /// `(1 + R Z)^-1 v`.
     #[inline(always)]
     fn divide(&self, simd: S, v: &mut [Re<S>]) {
-        let one = Re::splat(simd, 1.0);
-        v.iter_mut().zip(&self.roots).for_each(|(v, root)| *v = *v * (one / *root));
+        multiply(v, &self.inverse);
         self.factor.solve(v, Re::splat(simd, 0.0));
-        v.iter_mut().zip(&self.roots).for_each(|(v, root)| *v = *v * *root);
+        multiply(v, &self.roots);
+    }
+
+    /// `u - R e`.
+    #[inline(always)]
+    fn drop(&self, simd: S, e: &[Re<S>], u: Option<&[Re<S>]>) -> Vec<Re<S>> {
+        let zero = Re::splat(simd, 0.0);
+        let mut drop = Vec::with_capacity(e.len());
+        for i in 0..e.len() {
+            let from = u.map_or(zero, |u| u[i]);
+            drop.push((self.roots[i] * self.roots[i]).neg_mul_add(e[i], from));
+        }
+        drop
     }
 
     /// `e + y (u - R e)`.
     #[inline(always)]
     fn carry(&self, simd: S, e: &[Re<S>], u: Option<&[Re<S>]>) -> Vec<Re<S>> {
         let zero = Re::splat(simd, 0.0);
-        let mut drop: Vec<Re<S>> = e.iter().zip(&self.roots).map(|(e, root)| zero - *e * *root * *root).collect();
-        if let Some(u) = u {
-            drop.iter_mut().zip(u).for_each(|(drop, u)| *drop = *drop + *u);
-        }
-        (0..e.len()).map(|i| e[i] + dot(self.admittance.row(i), &drop, zero)).collect()
+        let drop = self.drop(simd, e, u);
+        apply_add(&self.admittance, &drop, e, zero)
     }
 }
 
@@ -233,8 +251,7 @@ impl<'a, S: Simd> Sweep<'a, S> {
                 }
                 let Some(slice) = self.slices.get(j) else { break };
                 let modes = &slice.modes;
-                let mut modal =
-                    Level { s: modes.project(&modes.y, &level.s, zero), d: modes.project(&modes.x, &level.d, zero) };
+                let mut modal = Level { s: apply(&modes.y, &level.s, zero), d: apply(&modes.x, &level.d, zero) };
                 for (piece, list) in slice.pieces.iter().zip(&mut answer.pieces[j]) {
                     let bottom = piece.descend(simd, index, &modal);
                     list.push(ModalLevels { top: modal, bottom: bottom.clone() });
@@ -272,17 +289,19 @@ fn basic(radiance: f64, order: usize, index: f64) -> f64 {
 fn tables<S: Simd>(simd: S, lanes: &Lanes) -> Vec<Table<S>> {
     let first = lanes.plans[0];
     let least = lanes.orders.iter().min().copied().unwrap_or(0);
-    let table = |medium: usize| {
+    let mut tables = Vec::with_capacity(first.media.len());
+    for medium in 0..first.media.len() {
         let count = first.media[medium].streams.len();
-        let stream = |i: usize, value: fn(&crate::transfer::streams::Stream) -> f64| {
-            lanes.gather(simd, |plan, _| value(&plan.media[medium].streams[i]))
-        };
-        let cosines = (0..count).map(|i| stream(i, |s| s.cosine)).collect();
-        let weights = (0..count).map(|i| stream(i, |s| s.weight)).collect();
+        let (mut cosines, mut weights) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for i in 0..count {
+            cosines.push(lanes.gather(simd, |plan, _| plan.media[medium].streams[i].cosine));
+            weights.push(lanes.gather(simd, |plan, _| plan.media[medium].streams[i].weight));
+        }
         let index = lanes.gather(simd, |plan, _| plan.media[medium].index);
-        Table::new(simd, cosines, weights, index, lanes.orders, (2 * count).saturating_sub(least).max(1))
-    };
-    (0..first.media.len()).map(table).collect()
+        let degrees = (2 * count).saturating_sub(least).max(1);
+        tables.push(Table::new(simd, cosines, weights, index, lanes.orders, degrees));
+    }
+    tables
 }
 
 fn beam_lines(lanes: &Lanes, drive: &Drive) -> Vec<Option<BeamLine>> {
@@ -310,7 +329,7 @@ fn ground<S: Simd>(
         Ground::Lambertian(share) if m == 0 => share,
         _ => 0.0,
     });
-    let roots: Vec<Re<S>> = (0..n).map(|i| table.root_flux(i)).collect();
+    let roots = table.root_fluxes();
     let square = dot(&roots, &roots, zero);
     let one = Re::splat(simd, 1.0);
     let mixing = (diffuse + diffuse) / ((one + diffuse) * square);
@@ -321,7 +340,8 @@ fn ground<S: Simd>(
         }
         z.data[i * n + i] = z.data[i * n + i] + mirror;
     }
-    let e = drives.iter().zip(beams).map(|(drive, beams)| {
+    let mut sources = Vec::with_capacity(drives.len());
+    for (drive, beams) in drives.iter().zip(beams) {
         let mut lane = 0;
         let rising = lanes.gather(simd, |plan, m| {
             let beam = beams[lane].as_ref().map_or(0.0, |beam| beam.on_ground);
@@ -335,18 +355,21 @@ fn ground<S: Simd>(
             let outside = if plan.stack.ground == Ground::Black { basic(drive.below, m, index) } else { 0.0 };
             from_beam + outside
         });
-        let scale = (rising + rising) / (one + diffuse);
-        roots.iter().map(|root| zero - scale * *root).collect()
-    });
-    (z, e.collect())
+        let mut e = roots.clone();
+        scale(&mut e, zero - (rising + rising) / (one + diffuse));
+        sources.push(e);
+    }
+    (z, sources)
 }
 
 #[inline(always)]
 fn cross<S: Simd>(simd: S, lanes: &Lanes, plane: usize, above: usize, z: Matrix<S>, e: Vec<Vec<Re<S>>>) -> Crossing<S> {
     let common = above.min(z.columns);
-    let resistances: Vec<Re<S>> = (0..common)
-        .map(|i| lanes.gather(simd, |plan, _| plan.planes[plane].resistance.as_ref().map_or(0.0, |r| r[i])))
-        .collect();
+    let mut resistances = Vec::with_capacity(common);
+    for i in 0..common {
+        let share = |plan: &Plan, _: usize| plan.planes[plane].resistance.as_ref().map_or(0.0, |r| r[i]);
+        resistances.push(lanes.gather(simd, share));
+    }
     let (admittance, from_below, trapped) =
         if common < z.columns { eliminate(simd, z, e, common) } else { (z, e, None) };
     let series = Series::new(simd, &admittance, &resistances);
@@ -403,12 +426,13 @@ impl<S: Simd> Crossing<S> {
         for i in 0..common {
             z.row_mut(i)[..common].copy_from_slice(self.series.admittance.row(i));
         }
-        let e = self.from_below.iter().map(|e| {
+        let mut sources = Vec::with_capacity(self.from_below.len());
+        for e in &self.from_below {
             let mut e = self.series.carry(simd, e, None);
             e.resize(self.above, zero);
-            e
-        });
-        (z, e.collect())
+            sources.push(e);
+        }
+        (z, sources)
     }
 
     #[inline(always)]
@@ -416,14 +440,12 @@ impl<S: Simd> Crossing<S> {
         let zero = Re::splat(simd, 0.0);
         let common = self.admittance.columns;
         let e = &self.from_below[drive];
-        let mut s: Vec<Re<S>> =
-            (0..common).map(|i| above.s[i] - self.series.roots[i] * self.series.roots[i] * e[i]).collect();
+        let mut s = self.series.drop(simd, e, Some(&above.s[..common]));
         self.series.divide(simd, &mut s);
-        let mut d: Vec<Re<S>> = (0..common).map(|i| dot(self.admittance.row(i), &s, zero) + e[i]).collect();
+        let mut d = apply_add(&self.admittance, &s, e, zero);
         if let Some(Trapped { factor, coupling, from_below }) = &self.trapped {
-            let mut rest: Vec<Re<S>> = (0..from_below[drive].len())
-                .map(|t| zero - from_below[drive][t] - dot(coupling.row(t), &s[..common], zero))
-                .collect();
+            let mut rest = apply_add(coupling, &s, &from_below[drive], zero);
+            scale(&mut rest, Re::splat(simd, -1.0));
             factor.solve(&mut rest, zero);
             d.resize(common + rest.len(), zero);
             s.extend(rest);
@@ -441,24 +463,26 @@ fn slice<S: Simd>(
     drives: &[Drive],
     beams: &[Vec<Option<BeamLine>>],
 ) -> Slice<S> {
-    let strength = (0..table.functions.columns).map(|j| {
-        lanes.gather(simd, |plan, m| {
+    let mut strength = Vec::with_capacity(table.functions.columns);
+    for j in 0..table.functions.columns {
+        strength.push(lanes.gather(simd, |plan, m| {
             let scaled = &plan.layers[layer];
             let degree = m + j;
             scaled.moments.get(degree).map_or(0.0, |chi| scaled.albedo * (2 * degree + 1) as f64 * chi)
-        })
-    });
+        }));
+    }
     let loss = lanes.gather(simd, |plan, _| plan.layers[layer].loss);
-    let modes = Modes::new(simd, table, strength.collect(), loss);
-    let beams = drives.iter().zip(beams).map(|(drive, beams)| {
-        drive.beam.map(|_| {
-            let cosine: LaneArray =
-                std::array::from_fn(|lane| beams[lane].as_ref().map_or(1.0, |beam| beam.layers[layer].cosine));
-            modes.coupling(simd, table, Re::load(simd, &cosine))
-        })
-    });
-    let beams = beams.collect();
-    Slice { modes, pieces: Vec::new(), beams }
+    let modes = Modes::new(simd, table, strength, loss);
+    let mut couplings = Vec::with_capacity(drives.len());
+    for (drive, lines) in drives.iter().zip(beams) {
+        let cosine: LaneArray =
+            std::array::from_fn(|lane| lines[lane].as_ref().map_or(1.0, |line| line.layers[layer].cosine));
+        couplings.push(match drive.beam {
+            Some(_) => Some(modes.coupling(simd, table, Re::load(simd, &cosine))),
+            None => None,
+        });
+    }
+    Slice { modes, pieces: Vec::new(), beams: couplings }
 }
 
 impl<S: Simd> Slice<S> {
@@ -482,14 +506,18 @@ impl<S: Simd> Slice<S> {
         // Z is symmetric: so is what it becomes in modes.
         let half = product(simd, &modes.x, &z);
         let mut z = symmetric_product(simd, &half, &modes.x);
-        let mut e: Vec<Vec<Re<S>>> = e.iter().map(|e| modes.project(&modes.x, e, zero)).collect();
+        let mut e = e;
+        for e in &mut e {
+            *e = apply(&modes.x, e, zero);
+        }
         let ends: Vec<Re<S>> = [zero].iter().chain(cuts).chain([&whole]).copied().collect();
         for pair in ends.windows(2).rev() {
             let (top, thickness) = (pair[0], pair[1] - pair[0]);
             let drivers = Drivers { simd, lanes, layer, table, modes, top, thickness, whole };
-            let own = drives.iter().zip(beams).zip(&self.beams);
-            let own: Vec<[Vec<Re<S>>; 2]> =
-                own.map(|((drive, lines), coupling)| drivers.own(drive, lines, coupling.as_ref())).collect();
+            let mut own = Vec::with_capacity(drives.len());
+            for ((drive, lines), coupling) in drives.iter().zip(beams).zip(&self.beams) {
+                own.push(drivers.own(drive, lines, coupling.as_ref()));
+            }
             let (piece, up) = piece(simd, modes, top, thickness, z, e, own);
             (z, e) = up;
             self.pieces.push(piece);
@@ -502,8 +530,7 @@ impl<S: Simd> Slice<S> {
             for i in 0..n {
                 let weight = modes.y.row(k)[i];
                 // The lower half; the rest is its mirror image.
-                let row = &mut through.row_mut(i)[..=i];
-                row.iter_mut().zip(half.row(k)).for_each(|(sum, value)| *sum = weight.mul_add(*value, *sum));
+                add_scaled(&mut through.row_mut(i)[..=i], weight, half.row(k));
             }
         }
         for i in 0..n {
@@ -511,7 +538,9 @@ impl<S: Simd> Slice<S> {
                 through.data[j * n + i] = through.data[i * n + j];
             }
         }
-        let e = e.iter().map(|e| modes.combine(simd, &modes.y, e)).collect();
+        for e in &mut e {
+            *e = modes.combine(simd, &modes.y, e);
+        }
         (through, e)
     }
 }
@@ -548,7 +577,11 @@ fn piece<S: Simd>(
     let mut driven = Vec::with_capacity(e.len());
     for (e, [u, w]) in e.iter().zip(own) {
         let carried = series.carry(simd, e, Some(&u));
-        from_all.push((0..n).map(|i| sech[i].mul_add(carried[i], w[i])).collect());
+        let mut up = w;
+        for i in 0..n {
+            up[i] = sech[i].mul_add(carried[i], up[i]);
+        }
+        from_all.push(up);
         driven.push(u);
     }
     (Piece { thickness, top, series, below: z, sech, from_below: e, own: driven }, (up, from_all))
@@ -558,13 +591,13 @@ impl<S: Simd> Piece<S> {
     #[inline(always)]
     fn descend(&self, simd: S, drive: usize, top: &Level<S>) -> Level<S> {
         let zero = Re::splat(simd, 0.0);
-        let n = self.sech.len();
-        let (e, u) = (&self.from_below[drive], &self.own[drive]);
-        let mut f: Vec<Re<S>> = (0..n)
-            .map(|i| self.sech[i].mul_add(top.s[i], u[i] - self.series.roots[i] * self.series.roots[i] * e[i]))
-            .collect();
+        let e = &self.from_below[drive];
+        let mut f = self.series.drop(simd, e, Some(&self.own[drive]));
+        for i in 0..f.len() {
+            f[i] = self.sech[i].mul_add(top.s[i], f[i]);
+        }
         self.series.divide(simd, &mut f);
-        let g = (0..n).map(|i| dot(self.below.row(i), &f, zero) + e[i]).collect();
+        let g = apply_add(&self.below, &f, e, zero);
         Level { s: f, d: g }
     }
 }
@@ -652,10 +685,11 @@ impl<S: Simd> Drivers<'_, S> {
     fn add_emission(&self, own: &mut [Vec<Re<S>>; 2]) {
         let simd = self.simd;
         let zero = Re::splat(simd, 0.0);
-        let drive: Vec<Re<S>> = (0..self.table.cosines.len())
-            .map(|i| self.table.index * (self.table.weights[i] / self.table.cosines[i]).sqrt())
-            .collect();
-        let shares = self.modes.project(&self.modes.x, &drive, zero);
+        let mut drive = self.table.weights.clone();
+        for (value, cosine) in drive.iter_mut().zip(&self.table.cosines) {
+            *value = self.table.index * (*value / *cosine).sqrt();
+        }
+        let shares = apply(&self.modes.x, &drive, zero);
         let [from, slope] = self.emitted();
         let t = self.thickness.lanes();
         for (i, share) in shares.iter().enumerate() {
