@@ -4,7 +4,6 @@
 //! `cargo bench -p mieux-optics --bench transfer_peers -- --workload NAME --problems FILE`
 
 #![allow(clippy::print_stdout)]
-#![expect(dead_code, reason = "no solver reads the streams and directions asked for yet")]
 
 use std::error::Error;
 

@@ -80,6 +80,13 @@ impl BeamLine {
     }
 }
 
+impl BeamInLayer {
+    /// Fluxes down and up at a depth in a layer of the given thickness.
+    pub fn at(&self, depth: f64, thickness: f64) -> [f64; 2] {
+        [self.down * (-depth / self.cosine).exp(), self.up * (-(thickness - depth).max(0.0) / self.cosine).exp()]
+    }
+}
+
 /// A beam that does not enter a layer between total reflections has nothing to be divided by.
 fn divided(a: f64, b: f64) -> f64 {
     if b > 0.0 { a / b } else { 0.0 }

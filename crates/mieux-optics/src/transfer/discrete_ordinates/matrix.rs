@@ -36,7 +36,7 @@ impl<S: Simd> Matrix<S> {
 
     #[inline(always)]
     pub fn rows(&self) -> usize {
-        if self.columns == 0 { 0 } else { self.data.len() / self.columns }
+        self.data.len().checked_div(self.columns).unwrap_or(0)
     }
 }
 
@@ -103,8 +103,8 @@ pub(super) fn apply<S: Simd>(a: &Matrix<S>, x: &[Re<S>], zero: Re<S>) -> Vec<Re<
 #[inline(always)]
 pub(super) fn apply_add<S: Simd>(a: &Matrix<S>, x: &[Re<S>], b: &[Re<S>], zero: Re<S>) -> Vec<Re<S>> {
     let mut y = Vec::with_capacity(a.rows());
-    for i in 0..a.rows() {
-        y.push(dot(a.row(i), x, zero) + b[i]);
+    for (i, b) in b.iter().enumerate() {
+        y.push(dot(a.row(i), x, zero) + *b);
     }
     y
 }

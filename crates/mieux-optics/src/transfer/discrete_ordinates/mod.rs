@@ -2,11 +2,12 @@
 //! function, any number of layers, and refracting planes between them.
 //!
 //! `plan.rs` makes a stack ready, `modes.rs` solves each layer, `sweep.rs` joins them from the ground up and comes back
-//! down, `field.rs` and `radiance.rs` read off what is asked. Several problems are solved abreast, one per lane: stacks of
+//! down, `shares.rs` and `fluxes.rs` read off what is asked. Several problems are solved abreast, one per lane: stacks of
 //! one shape (the wavelengths of a spectrum), or the orders of an expansion in azimuth.
 
 mod beam;
 mod depth;
+mod fluxes;
 mod legendre;
 mod matrix;
 mod modes;
@@ -15,6 +16,8 @@ mod shares;
 mod sweep;
 
 use super::{Incidence, Shares, Stack, TransferError};
+
+pub use fluxes::{Fluxes, Light};
 
 /// The solver and its settings.
 ///
@@ -35,13 +38,11 @@ pub struct DiscreteOrdinates {
     pub streams: usize,
     /// Whether what the streams cannot resolve of the forward peak counts as not scattered (delta-M, `wiscombe1977`).
     pub cut_peak: bool,
-    /// Whether radiances are corrected for that, by exact first scattering (`nakajima1988`).
-    pub correct: bool,
 }
 
 impl Default for DiscreteOrdinates {
     fn default() -> Self {
-        Self { streams: 32, cut_peak: true, correct: true }
+        Self { streams: 32, cut_peak: true }
     }
 }
 
@@ -58,7 +59,11 @@ impl DiscreteOrdinates {
 
     fn check(&self) -> Result<(), TransferError> {
         let streams = self.streams;
-        if streams % 2 == 0 && (2..=256).contains(&streams) { Ok(()) } else { Err(TransferError::Streams { streams }) }
+        if streams.is_multiple_of(2) && (2..=256).contains(&streams) {
+            Ok(())
+        } else {
+            Err(TransferError::Streams { streams })
+        }
     }
 
     /// Where the light goes that falls onto a stack; emission is left out.
@@ -80,14 +85,28 @@ impl DiscreteOrdinates {
         self.check()?;
         stacks.iter().try_for_each(Stack::check)?;
         for incidence in incidences {
-            if let Incidence::Beam(value) = *incidence
-                && !(value > 0.0 && value <= 1.0)
-            {
-                return Err(TransferError::Cosine { value });
+            if let Incidence::Beam(cosine) = *incidence {
+                check_cosine(cosine)?;
             }
         }
         shares::solve(self, stacks, incidences)
     }
+
+    /// The fluxes through horizontal planes in the stack, at optical depths from its top; emission counts. At a depth
+    /// between two layers of different index it is the lower one that is meant; 0 is just below the first plane.
+    ///
+    /// # Errors
+    /// [`TransferError`] for matter, light or depths that cannot be.
+    pub fn fluxes(&self, stack: &Stack, light: &Light, depths: &[f64]) -> Result<Vec<Fluxes>, TransferError> {
+        self.check()?;
+        stack.check()?;
+        light.check()?;
+        fluxes::solve(self, stack, light, depths)
+    }
+}
+
+fn check_cosine(value: f64) -> Result<(), TransferError> {
+    if value > 0.0 && value <= 1.0 { Ok(()) } else { Err(TransferError::Cosine { value }) }
 }
 
 #[cfg(test)]

@@ -187,7 +187,8 @@ impl<S: Simd> Modes<S> {
         there[0] = there[0] * table.constant;
         let n = table.cosines.len();
         let mut parts = [vec![zero; n], vec![zero; n]];
-        for i in 0..n {
+        let [even, odd] = &mut parts;
+        for (i, (even, odd)) in even.iter_mut().zip(odd).enumerate() {
             let mut sums = [zero; 2];
             let pairs = table.functions.row(i).chunks(2).zip(there.chunks(2));
             for (functions, there) in pairs {
@@ -196,8 +197,8 @@ impl<S: Simd> Modes<S> {
                 }
             }
             let scale = Re::splat(simd, 1.0) / (table.cosines[i].sqrt() * table.index);
-            parts[0][i] = sums[0] * scale;
-            parts[1][i] = sums[1] * scale;
+            *even = sums[0] * scale;
+            *odd = sums[1] * scale;
         }
         [apply(&self.x, &parts[0], zero), apply(&self.y, &parts[1], zero)]
     }
@@ -251,7 +252,7 @@ fn every_other<S: Simd>(row: &[Re<S>], from: usize) -> Vec<Re<S>> {
 fn with_diagonal<S: Simd>(cholesky: &Cholesky<S>, one: Re<S>) -> Matrix<S> {
     let mut factor = cholesky.0.clone();
     let n = factor.columns;
-    let zero = one - one;
+    let zero = one.same(0.0);
     for i in 0..n {
         let inverse = factor.data[i * n + i];
         factor.data[i * n + i] = zero.if_less(inverse, one / inverse.max(one.same(1e-300)), zero);

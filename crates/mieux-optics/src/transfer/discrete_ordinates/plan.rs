@@ -37,8 +37,8 @@ pub(super) struct Scaled {
     pub loss: f64,
     /// What is left of the moments, as many as this medium has streams in both hemispheres.
     pub moments: Vec<f64>,
-    /// The share of scattering in the peak.
-    pub peak: f64,
+    /// Scaled over true optical depth.
+    pub stretch: f64,
 }
 
 /// What lies between two media.
@@ -83,7 +83,7 @@ impl<'a> Plan<'a> {
                 albedo: scaling.albedo,
                 loss: scaling.loss,
                 moments: scaling.moments,
-                peak: scaling.peak,
+                stretch: scaling.thickness,
             }
         });
         let layers = layers.collect();
@@ -106,7 +106,6 @@ struct Scaling {
     thickness: f64,
     albedo: f64,
     loss: f64,
-    peak: f64,
     moments: Vec<f64>,
 }
 
@@ -116,13 +115,12 @@ impl Scaling {
         let thickness = 1.0 - peak * albedo;
         if peak >= 1.0 || thickness <= 0.0 {
             // Nothing but a forward peak: nothing is scattered.
-            return Self { thickness: 1.0 - albedo, albedo: 0.0, loss: 1.0, peak: 1.0, moments: vec![1.0] };
+            return Self { thickness: 1.0 - albedo, albedo: 0.0, loss: 1.0, moments: vec![1.0] };
         }
         Self {
             thickness,
             albedo: albedo * (1.0 - peak) / thickness,
             loss: (1.0 - albedo) / thickness,
-            peak,
             moments: (0..count).map(|degree| (moments.get(degree) - peak) / (1.0 - peak)).collect(),
         }
     }

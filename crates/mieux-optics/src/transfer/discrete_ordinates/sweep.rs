@@ -33,6 +33,9 @@ pub(super) struct Drive {
     pub emission: bool,
 }
 
+/// What lies below a plane: its admittance, and for each drive what comes from there.
+type Answering<S> = (Matrix<S>, Vec<Vec<Re<S>>>);
+
 /// One problem per lane: stacks of one shape, each with an order of the expansion in azimuth.
 pub(super) struct Lanes<'a> {
     pub plans: [&'a Plan<'a>; MAX_LANES],
@@ -47,11 +50,8 @@ impl Lanes<'_> {
     }
 }
 
-/// A layer between two depths, and what was found on the way up.
+/// A part of a layer between two depths, and what was found on the way up.
 pub(super) struct Piece<S: Simd> {
-    /// Scaled optical thickness, and where its top lies below that of the layer.
-    pub thickness: Re<S>,
-    pub top: Re<S>,
     series: Series<S>,
     /// Admittance below, in modes.
     below: Matrix<S>,
@@ -166,10 +166,12 @@ pub(super) struct Level<S: Simd> {
     pub d: Vec<Re<S>>,
 }
 
-/// The state of the modes at the top and the bottom of a piece.
-pub(super) struct ModalLevels<S: Simd> {
-    pub top: Level<S>,
-    pub bottom: Level<S>,
+impl<S: Simd> Modes<S> {
+    /// From modes to streams.
+    #[inline(always)]
+    fn streams(&self, simd: S, modal: &Level<S>) -> Level<S> {
+        Level { s: self.combine(simd, &self.x, &modal.s), d: self.combine(simd, &self.y, &modal.d) }
+    }
 }
 
 /// All that was found, for every drive.
@@ -177,8 +179,8 @@ pub(super) struct Answer<S: Simd> {
     /// Just above the first plane, and just below the last.
     pub above: Vec<Level<S>>,
     pub below: Vec<Level<S>>,
-    /// By layer, piece and drive; `s` holds `f`, `d` holds `g`.
-    pub pieces: Vec<Vec<Vec<ModalLevels<S>>>>,
+    /// At the depths at which layers are cut, by layer, cut and drive.
+    pub cuts: Vec<Vec<Vec<Level<S>>>>,
 }
 
 /// A swept stack.
@@ -193,7 +195,7 @@ pub(super) struct Sweep<'a, S: Simd> {
     crossings: Vec<Option<Crossing<S>>>,
     top: Series<S>,
     /// Admittance and sources just above the first plane.
-    from_all: (Matrix<S>, Vec<Vec<Re<S>>>),
+    from_all: Answering<S>,
 }
 
 impl<'a, S: Simd> Sweep<'a, S> {
@@ -236,10 +238,9 @@ impl<'a, S: Simd> Sweep<'a, S> {
     pub fn descend(&self) -> Answer<S> {
         let simd = self.simd;
         let zero = Re::splat(simd, 0.0);
-        let mut answer =
-            Answer { above: Vec::new(), below: Vec::new(), pieces: self.slices.iter().map(|_| Vec::new()).collect() };
-        for (layer, slice) in self.slices.iter().enumerate() {
-            answer.pieces[layer] = slice.pieces.iter().map(|_| Vec::new()).collect();
+        let mut answer = Answer { above: Vec::new(), below: Vec::new(), cuts: Vec::with_capacity(self.slices.len()) };
+        for slice in &self.slices {
+            answer.cuts.push(slice.pieces.iter().skip(1).map(|_| Vec::new()).collect());
         }
         for (index, drive) in self.drives.iter().enumerate() {
             let table = &self.tables[self.lanes.plans[0].above];
@@ -252,13 +253,13 @@ impl<'a, S: Simd> Sweep<'a, S> {
                 let Some(slice) = self.slices.get(j) else { break };
                 let modes = &slice.modes;
                 let mut modal = Level { s: apply(&modes.y, &level.s, zero), d: apply(&modes.x, &level.d, zero) };
-                for (piece, list) in slice.pieces.iter().zip(&mut answer.pieces[j]) {
-                    let bottom = piece.descend(simd, index, &modal);
-                    list.push(ModalLevels { top: modal, bottom: bottom.clone() });
-                    modal = bottom;
+                for (cut, piece) in slice.pieces.iter().enumerate() {
+                    modal = piece.descend(simd, index, &modal);
+                    level = modes.streams(simd, &modal);
+                    if let Some(list) = answer.cuts[j].get_mut(cut) {
+                        list.push(level.clone());
+                    }
                 }
-                level =
-                    Level { s: modes.combine(simd, &modes.x, &modal.s), d: modes.combine(simd, &modes.y, &modal.d) };
             }
             answer.below.push(level);
         }
@@ -317,7 +318,7 @@ fn ground<S: Simd>(
     table: &Table<S>,
     drives: &[Drive],
     beams: &[Vec<Option<BeamLine>>],
-) -> (Matrix<S>, Vec<Vec<Re<S>>>) {
+) -> Answering<S> {
     let n = table.cosines.len();
     let zero = Re::splat(simd, 0.0);
     // A share that every stream keeps, and one that goes into the mean of all.
@@ -370,8 +371,8 @@ fn cross<S: Simd>(simd: S, lanes: &Lanes, plane: usize, above: usize, z: Matrix<
         let share = |plan: &Plan, _: usize| plan.planes[plane].resistance.as_ref().map_or(0.0, |r| r[i]);
         resistances.push(lanes.gather(simd, share));
     }
-    let (admittance, from_below, trapped) =
-        if common < z.columns { eliminate(simd, z, e, common) } else { (z, e, None) };
+    let ((admittance, from_below), trapped) =
+        if common < z.columns { eliminate(simd, z, e, common) } else { ((z, e), None) };
     let series = Series::new(simd, &admittance, &resistances);
     Crossing { series, trapped, from_below, admittance, above }
 }
@@ -383,7 +384,7 @@ fn eliminate<S: Simd>(
     z: Matrix<S>,
     mut e: Vec<Vec<Re<S>>>,
     common: usize,
-) -> (Matrix<S>, Vec<Vec<Re<S>>>, Option<Trapped<S>>) {
+) -> (Answering<S>, Option<Trapped<S>>) {
     let count = z.columns - common;
     let zero = Re::splat(simd, 0.0);
     let (mut inner, mut coupling) = (Matrix::zeros(simd, count, count), Matrix::zeros(simd, count, common));
@@ -413,13 +414,13 @@ fn eliminate<S: Simd>(
             subtract_scaled(e, *value, coupling.row(t));
         }
     }
-    (outer, e, Some(Trapped { factor, coupling, from_below }))
+    ((outer, e), Some(Trapped { factor, coupling, from_below }))
 }
 
 impl<S: Simd> Crossing<S> {
     /// The streams that only exist above are reflected totally: their difference is 0.
     #[inline(always)]
-    fn seen_from_above(&self, simd: S) -> (Matrix<S>, Vec<Vec<Re<S>>>) {
+    fn seen_from_above(&self, simd: S) -> Answering<S> {
         let common = self.admittance.columns;
         let zero = Re::splat(simd, 0.0);
         let mut z = Matrix::zeros(simd, self.above, self.above);
@@ -499,7 +500,7 @@ impl<S: Simd> Slice<S> {
         cuts: &[Re<S>],
         z: Matrix<S>,
         e: Vec<Vec<Re<S>>>,
-    ) -> (Matrix<S>, Vec<Vec<Re<S>>>) {
+    ) -> Answering<S> {
         let zero = Re::splat(simd, 0.0);
         let whole = lanes.gather(simd, |plan, _| plan.layers[layer].thickness);
         let modes = &self.modes;
@@ -518,7 +519,7 @@ impl<S: Simd> Slice<S> {
             for ((drive, lines), coupling) in drives.iter().zip(beams).zip(&self.beams) {
                 own.push(drivers.own(drive, lines, coupling.as_ref()));
             }
-            let (piece, up) = piece(simd, modes, top, thickness, z, e, own);
+            let (piece, up) = piece(simd, modes, thickness, z, e, own);
             (z, e) = up;
             self.pieces.push(piece);
         }
@@ -546,16 +547,14 @@ impl<S: Simd> Slice<S> {
 }
 
 #[inline(always)]
-#[expect(clippy::type_complexity, reason = "a piece, and the state above it")]
 fn piece<S: Simd>(
     simd: S,
     modes: &Modes<S>,
-    top: Re<S>,
     thickness: Re<S>,
     z: Matrix<S>,
     e: Vec<Vec<Re<S>>>,
     own: Vec<[Vec<Re<S>>; 2]>,
-) -> (Piece<S>, (Matrix<S>, Vec<Vec<Re<S>>>)) {
+) -> (Piece<S>, Answering<S>) {
     let n = z.columns;
     let t = thickness.lanes();
     let (mut resistances, mut sech) = (Vec::with_capacity(n), Vec::with_capacity(n));
@@ -584,7 +583,7 @@ fn piece<S: Simd>(
         from_all.push(up);
         driven.push(u);
     }
-    (Piece { thickness, top, series, below: z, sech, from_below: e, own: driven }, (up, from_all))
+    (Piece { series, below: z, sech, from_below: e, own: driven }, (up, from_all))
 }
 
 impl<S: Simd> Piece<S> {
@@ -593,8 +592,8 @@ impl<S: Simd> Piece<S> {
         let zero = Re::splat(simd, 0.0);
         let e = &self.from_below[drive];
         let mut f = self.series.drop(simd, e, Some(&self.own[drive]));
-        for i in 0..f.len() {
-            f[i] = self.sech[i].mul_add(top.s[i], f[i]);
+        for (f, (sech, top)) in f.iter_mut().zip(self.sech.iter().zip(&top.s)) {
+            *f = sech.mul_add(*top, *f);
         }
         self.series.divide(simd, &mut f);
         let g = apply_add(&self.below, &f, e, zero);
