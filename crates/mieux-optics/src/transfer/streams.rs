@@ -5,6 +5,9 @@
 //! Each range carries a Gauss rule in the cosine of the medium whose index bounds it, where radiance, Fresnel's shares
 //! and the cosines of all denser media are smooth.
 
+use std::borrow::Cow;
+use std::sync::OnceLock;
+
 use crate::integrate::gauss_legendre;
 
 use super::Stack;
@@ -47,7 +50,7 @@ impl Streams {
         for (index, width) in ranges {
             reached += wanted * width / total;
             let share = ((reached.round() as usize).saturating_sub(nodes.len())).max(1);
-            nodes.extend(gauss_legendre(share).into_iter().map(|(x, w)| Node {
+            nodes.extend(rule(share).iter().map(|(x, w)| Node {
                 index,
                 cosine: 0.5 * width * (1.0 + x),
                 weight: 0.5 * width * w,
@@ -71,6 +74,15 @@ impl Node {
         let cosine = refracted_cosine(self.cosine, self.index, index).unwrap_or(0.0);
         // n^2 mu d(mu) is the same on both sides.
         Stream { cosine, weight: self.weight * self.cosine * self.index * self.index / (cosine * index * index) }
+    }
+}
+
+/// A Gauss rule on [-1, 1], computed once.
+fn rule(count: usize) -> Cow<'static, [(f64, f64)]> {
+    static RULES: [OnceLock<Vec<(f64, f64)>>; 129] = [const { OnceLock::new() }; 129];
+    match RULES.get(count) {
+        Some(known) => Cow::Borrowed(known.get_or_init(|| gauss_legendre(count))),
+        None => Cow::Owned(gauss_legendre(count)),
     }
 }
 

@@ -1,14 +1,33 @@
 //! Integrals over the depth of a layer: what an exponential drives in a mode, and what a direction collects of it.
 
-/// `tanh(k t) / k`: the resistance of a layer to a mode; `t` for `k = 0`.
-pub(super) fn resistance(k: f64, t: f64) -> f64 {
-    if k * t < 1e-150 { t } else { (k * t).tanh() / k }
+/// How a mode passes through a layer.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Passage {
+    /// `exp(-k t)`.
+    pub fade: f64,
+    /// `1 / cosh(k t)`.
+    pub sech: f64,
+    /// `tanh(k t) / k`: its resistance; `t` for `k = 0`.
+    pub resistance: f64,
 }
 
-/// `1 / cosh(x)`.
-pub(super) fn sech(x: f64) -> f64 {
-    let e = (-x).exp();
-    2.0 * e / (1.0 + e * e)
+impl Passage {
+    /// For `k >= 0` and `t >= 0`.
+    #[inline]
+    pub fn new(k: f64, t: f64) -> Self {
+        let x = k * t;
+        let fade = (-x).exp();
+        let square = fade * fade;
+        let inverse = 1.0 / (1.0 + square);
+        let resistance = if x > 1.0 {
+            (1.0 - square) * inverse / k
+        } else if x < 1e-150 {
+            t
+        } else {
+            x.tanh() / k
+        };
+        Self { fade, sech: 2.0 * fade * inverse, resistance }
+    }
 }
 
 /// The integral over `x` in [0, t] of `exp(-a x) exp(-b (t - x))`, also for `a = b`.
@@ -37,13 +56,15 @@ pub(super) struct Overlap {
 }
 
 impl Overlap {
-    /// For `k >= 0`, `nu > 0`, `t >= 0`; `exp(-k t)`, `exp(-nu t)` and `tanh(k t) / k` are what the caller has already.
+    /// For `k >= 0`, `nu > 0`, `t >= 0`; the passage of the mode and `beam = exp(-nu t)` are what the caller has already.
     #[inline]
-    pub fn new(k: f64, nu: f64, t: f64, [mode, beam, resistance]: [f64; 3]) -> Self {
+    pub fn new(k: f64, nu: f64, t: f64, passage: &Passage, beam: f64) -> Self {
+        let Passage { fade: mode, sech, resistance } = *passage;
         if k.max(nu) * t < 0.5 {
             return Self::thin(k, nu, t);
         }
-        let along = fading(k + nu, t);
+        let both = k + nu;
+        let along = if both * t > 1.0 { (1.0 - mode * beam) / both } else { fading(both, t) };
         let difference = (k - nu).abs();
         let against = if difference * t > 1.0 { (beam - mode) / (k - nu) } else { crossing(k, nu, t) };
         let scale = 1.0 / (1.0 + mode * mode);
@@ -55,7 +76,7 @@ impl Overlap {
             return Self { cosh, sinh, cosh_back, sinh_back };
         }
         // For small k the differences above cancel.
-        let (inverse, sech) = (1.0 / ((nu - k) * (nu + k)), 2.0 * mode * scale);
+        let inverse = 1.0 / ((nu - k) * (nu + k));
         let sinh = (sech - beam * (1.0 + nu * resistance)) * inverse;
         let sinh_back = (nu * resistance - 1.0 + beam * sech) * inverse;
         Self { cosh, sinh, cosh_back, sinh_back }
@@ -67,14 +88,23 @@ impl Overlap {
         for (x, weight) in GAUSS_8 {
             let (x, back) = (0.5 * t * (1.0 + x), 0.5 * t * (1.0 - x));
             let weight = 0.5 * t * weight * (-nu * x).exp();
-            let sinhc = |x: f64| if k * x < 1e-9 { x } else { (k * x).sinh() / k };
-            let values = [(k * x).cosh(), sinhc(x), (k * back).cosh(), sinhc(back)];
+            let ([cosh, sinh], [cosh_back, sinh_back]) = (small_hyperbolic(k, x), small_hyperbolic(k, back));
+            let values = [cosh, sinh, cosh_back, sinh_back];
             (0..4).for_each(|i| sums[i] += weight * values[i]);
         }
-        let scale = 1.0 / (k * t).cosh();
+        let scale = 1.0 / small_hyperbolic(k, t)[0];
         let [cosh, sinh, cosh_back, sinh_back] = sums.map(|sum| sum * scale);
         Self { cosh, sinh, cosh_back, sinh_back }
     }
+}
+
+/// `cosh(k x)` and `sinh(k x) / k` for `k x` up to 1/2, by their series.
+fn small_hyperbolic(k: f64, x: f64) -> [f64; 2] {
+    let y = (k * x).powi(2);
+    let term = |y: f64, rest: f64, a: f64| 1.0 + y * rest / (a * (a + 1.0));
+    let cosh = [11.0, 9.0, 7.0, 5.0, 3.0, 1.0].into_iter().fold(1.0, |rest, a| term(y, rest, a));
+    let sinh = [10.0, 8.0, 6.0, 4.0, 2.0].into_iter().fold(1.0, |rest, a| term(y, rest, a));
+    [cosh, x * sinh]
 }
 
 const GAUSS_8: [(f64, f64); 8] = [
@@ -102,7 +132,7 @@ pub(super) struct LinearOverlap {
 impl LinearOverlap {
     pub fn new(k: f64, t: f64) -> Self {
         let x = k * t;
-        let flat = resistance(k, t);
+        let flat = Passage::new(k, t).resistance;
         // (1 - sech x) / x^2 and (x - tanh x) / x^3.
         let half = if x < 1e-4 {
             1.0
@@ -148,7 +178,7 @@ mod tests {
             (1.0, 12.0, 2.0),
             (3.0, 2.5, 0.1),
         ] {
-            let o = Overlap::new(k, nu, t, [(-k * t).exp(), (-nu * t).exp(), resistance(k, t)]);
+            let o = Overlap::new(k, nu, t, &Passage::new(k, t), (-nu * t).exp());
             let sinhc = |x: f64| if k * x < 1e-6 { x } else { (k * x).sinh() / k };
             let c = (k * t).cosh();
             for (ours, other) in [
@@ -174,9 +204,10 @@ mod tests {
     #[test]
     fn nothing_overflows() {
         for (k, nu, t) in [(1e3, 1.0, 1e6), (0.0, 1.0, 1e6), (1e-4, 1.0, 1e6), (50.0, 1e9, 1e-8), (3.0, 1.0, 0.0)] {
-            let o = Overlap::new(k, nu, t, [(-k * t).exp(), (-nu * t).exp(), resistance(k, t)]);
+            let o = Overlap::new(k, nu, t, &Passage::new(k, t), (-nu * t).exp());
             let l = LinearOverlap::new(k, t);
-            for value in [o.cosh, o.sinh, o.cosh_back, o.sinh_back, l.flat, l.rising, l.steep, sech(k * t)] {
+            for value in [o.cosh, o.sinh, o.cosh_back, o.sinh_back, l.flat, l.rising, l.steep, Passage::new(k, t).sech]
+            {
                 assert!(value.is_finite() && value >= 0.0, "{k} {nu} {t}: {o:?} {l:?}");
             }
         }

@@ -10,7 +10,7 @@
 use pulp::Simd;
 
 use super::beam::{BeamLine, Thickness};
-use super::depth::{LinearOverlap, Overlap, resistance};
+use super::depth::{LinearOverlap, Overlap, Passage};
 use super::legendre::Orders;
 use super::matrix::{
     Cholesky, Matrix, add_scaled, apply, apply_add, dot, multiply, product, scale, subtract_scaled, symmetric_product,
@@ -35,6 +35,9 @@ pub(super) struct Drive {
 
 /// What lies below a plane: its admittance, and for each drive what comes from there.
 type Answering<S> = (Matrix<S>, Vec<Vec<Re<S>>>);
+
+/// How one mode passes through a piece, in every lane.
+type Passages = [Passage; MAX_LANES];
 
 /// One problem per lane: stacks of one shape, each with an order of the expansion in azimuth.
 pub(super) struct Lanes<'a> {
@@ -514,12 +517,18 @@ impl<S: Simd> Slice<S> {
         let ends: Vec<Re<S>> = [zero].iter().chain(cuts).chain([&whole]).copied().collect();
         for pair in ends.windows(2).rev() {
             let (top, thickness) = (pair[0], pair[1] - pair[0]);
-            let drivers = Drivers { simd, lanes, layer, table, modes, top, thickness, whole };
+            let mut passages: Vec<Passages> = Vec::with_capacity(modes.k.len());
+            let t = thickness.lanes();
+            for k in &modes.k {
+                let k = k.lanes();
+                passages.push(std::array::from_fn(|lane| Passage::new(k[lane], t[lane])));
+            }
+            let drivers = Drivers { simd, lanes, layer, table, modes, top, thickness, whole, passages: &passages };
             let mut own = Vec::with_capacity(drives.len());
             for ((drive, lines), coupling) in drives.iter().zip(beams).zip(&self.beams) {
                 own.push(drivers.own(drive, lines, coupling.as_ref()));
             }
-            let (piece, up) = piece(simd, modes, thickness, z, e, own);
+            let (piece, up) = piece(simd, modes, &passages, z, e, own);
             (z, e) = up;
             self.pieces.push(piece);
         }
@@ -550,18 +559,16 @@ impl<S: Simd> Slice<S> {
 fn piece<S: Simd>(
     simd: S,
     modes: &Modes<S>,
-    thickness: Re<S>,
+    passages: &[Passages],
     z: Matrix<S>,
     e: Vec<Vec<Re<S>>>,
     own: Vec<[Vec<Re<S>>; 2]>,
 ) -> (Piece<S>, Answering<S>) {
     let n = z.columns;
-    let t = thickness.lanes();
     let (mut resistances, mut sech) = (Vec::with_capacity(n), Vec::with_capacity(n));
-    for k in &modes.k {
-        let k = k.lanes();
-        resistances.push(lanewise::<S>(simd, |lane| resistance(k[lane], t[lane])));
-        sech.push(lanewise::<S>(simd, |lane| super::depth::sech(k[lane] * t[lane])));
+    for passage in passages {
+        resistances.push(lanewise::<S>(simd, |lane| passage[lane].resistance));
+        sech.push(lanewise::<S>(simd, |lane| passage[lane].sech));
     }
     let series = Series::new(simd, &z, &resistances);
     let mut up = Matrix::zeros(simd, n, n);
@@ -619,6 +626,7 @@ struct Drivers<'a, S: Simd> {
     top: Re<S>,
     thickness: Re<S>,
     whole: Re<S>,
+    passages: &'a [Passages],
 }
 
 impl<S: Simd> Drivers<'_, S> {
@@ -652,9 +660,7 @@ impl<S: Simd> Drivers<'_, S> {
             let k = self.modes.k[i].lanes();
             let mut parts = [[0.0; MAX_LANES]; 4];
             for lane in 0..S::F64_LANES {
-                let mode = (-k[lane] * t[lane]).exp();
-                let known = [mode, fade[lane], resistance(k[lane], t[lane])];
-                let o = Overlap::new(k[lane], nu[lane], t[lane], known);
+                let o = Overlap::new(k[lane], nu[lane], t[lane], &self.passages[i][lane], fade[lane]);
                 parts[0][lane] = o.cosh;
                 parts[1][lane] = o.sinh;
                 parts[2][lane] = o.cosh_back;
