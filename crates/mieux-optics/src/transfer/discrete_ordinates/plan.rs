@@ -26,6 +26,21 @@ pub(super) struct Medium {
     pub streams: Vec<Stream>,
 }
 
+impl Medium {
+    /// How many Legendre functions the streams can tell apart: as many as there are streams in both hemispheres, or fewer
+    /// where refraction leaves wider gaps between them than a Gauss rule has.
+    fn degrees(&self) -> usize {
+        use std::f64::consts::PI;
+        let mut angles: Vec<f64> = self.streams.iter().map(|stream| stream.cosine.acos()).collect();
+        angles.sort_by(f64::total_cmp);
+        let ends = [angles.first().map_or(PI, |a| 2.0 * a), angles.last().map_or(PI, |a| PI - 2.0 * a)];
+        let gap = angles.windows(2).map(|pair| pair[1] - pair[0]).chain(ends).fold(0.0, f64::max);
+        // In the rule itself the widest gap is up to 2.16 / degrees times pi.
+        let resolved = (2.2 * PI / gap) as usize;
+        resolved.clamp(2, 2 * self.streams.len())
+    }
+}
+
 /// A layer whose forward peak counts as light that was not scattered (delta-M; `wiscombe1977`).
 #[derive(Debug, Clone)]
 pub(super) struct Scaled {
@@ -35,7 +50,7 @@ pub(super) struct Scaled {
     pub albedo: f64,
     /// `1 - albedo`, with all its digits.
     pub loss: f64,
-    /// What is left of the moments, as many as this medium has streams in both hemispheres.
+    /// What is left of the moments, as many as the streams of this medium can tell apart.
     pub moments: Vec<f64>,
     /// Scaled over true optical depth.
     pub stretch: f64,
@@ -75,7 +90,7 @@ impl<'a> Plan<'a> {
         let homes: Vec<usize> = stack.layers.iter().map(|layer| place(layer.refractive_index)).collect();
         let below = place(stack.below);
         let layers = stack.layers.iter().zip(&homes).map(|(layer, &medium)| {
-            let count = 2 * media[medium].streams.len();
+            let count = if media.len() == 1 { 2 * media[medium].streams.len() } else { media[medium].degrees() };
             let scaling = Scaling::new(layer.albedo, &layer.moments, count, cut_peak);
             Scaled {
                 medium,
