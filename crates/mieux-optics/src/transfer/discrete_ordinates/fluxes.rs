@@ -119,9 +119,13 @@ impl WithSimd for Question<'_> {
         let line = |thickness| light.beam.map(|(cosine, flux)| BeamLine::new(plan, cosine, flux, &thickness));
         let (scaled, exact) = (line(Thickness::Scaled), line(Thickness::True));
         let mut out = vec![Fluxes { down_direct: 0.0, down_diffuse: 0.0, up: 0.0 }; places.len()];
-        let levels = answer.cuts.iter().flatten().flatten();
-        for (place, level) in places.iter().zip(levels) {
+        let mut cut = 0;
+        for (i, place) in places.iter().enumerate() {
             let layer = &plan.layers[place.layer];
+            // Those in one layer come one after the other, from its top.
+            cut = if i > 0 && places[i - 1].layer == place.layer { cut + 1 } else { 1 };
+            let modal = &answer.ends[0][place.layer][cut];
+            let level = &sweep.slices[place.layer].modes.streams(simd, modal);
             let table = &sweep.tables[layer.medium];
             let beam = |line: &Option<BeamLine>, depth: f64, thickness: f64| {
                 line.as_ref().map_or([0.0; 2], |line| line.layers[place.layer].at(depth, thickness))

@@ -6,7 +6,9 @@
 //! one shape (the wavelengths of a spectrum), or the orders of an expansion in azimuth.
 
 mod beam;
+mod crossing;
 mod depth;
+mod drivers;
 mod fluxes;
 mod legendre;
 mod matrix;

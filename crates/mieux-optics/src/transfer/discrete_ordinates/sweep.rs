@@ -10,11 +10,11 @@
 use pulp::Simd;
 
 use super::beam::{BeamLine, Thickness};
-use super::depth::{LinearOverlap, Overlap, Passage};
+use super::crossing::{Crossing, Series, cross};
+use super::depth::Passage;
+use super::drivers::{Extent, LayerDrive, lanewise};
 use super::legendre::Orders;
-use super::matrix::{
-    Cholesky, Matrix, add_scaled, apply, apply_add, dot, multiply, product, scale, subtract_scaled, symmetric_product,
-};
+use super::matrix::{Matrix, add_scaled, apply, apply_add, dot, product, scale, symmetric_product};
 use super::modes::{Modes, Table};
 use super::plan::Plan;
 use crate::lanes::{LaneArray, MAX_LANES, Re};
@@ -34,10 +34,10 @@ pub(super) struct Drive {
 }
 
 /// What lies below a plane: its admittance, and for each drive what comes from there.
-type Answering<S> = (Matrix<S>, Vec<Vec<Re<S>>>);
+pub(super) type Answering<S> = (Matrix<S>, Vec<Vec<Re<S>>>);
 
 /// How one mode passes through a piece, in every lane.
-type Passages = [Passage; MAX_LANES];
+pub(super) type Passages = [Passage; MAX_LANES];
 
 /// One problem per lane: stacks of one shape, each with an order of the expansion in azimuth.
 pub(super) struct Lanes<'a> {
@@ -68,98 +68,7 @@ pub(super) struct Piece<S: Simd> {
 pub(super) struct Slice<S: Simd> {
     pub modes: Modes<S>,
     pub pieces: Vec<Piece<S>>,
-    /// For each drive that has a beam, its coupling to the modes: `X^T q_e` and `Y^T q_o` per flux along the beam.
-    pub beams: Vec<Option<[Vec<Re<S>>; 2]>>,
-}
-
-/// A plane that refracts.
-struct Crossing<S: Simd> {
-    series: Series<S>,
-    /// Of the streams that are trapped below.
-    trapped: Option<Trapped<S>>,
-    from_below: Vec<Vec<Re<S>>>,
-    admittance: Matrix<S>,
-    above: usize,
-}
-
-struct Trapped<S: Simd> {
-    factor: Cholesky<S>,
-    /// Rows: trapped streams; columns: the others.
-    coupling: Matrix<S>,
-    from_below: Vec<Vec<Re<S>>>,
-}
-
-/// Resistances in series with an admittance.
-struct Series<S: Simd> {
-    /// Their square roots, and the inverses of these.
-    roots: Vec<Re<S>>,
-    inverse: Vec<Re<S>>,
-    factor: Cholesky<S>,
-    /// The admittance of both: `(Z^-1 + R)^-1`.
-    admittance: Matrix<S>,
-}
-
-impl<S: Simd> Series<S> {
-    #[inline(always)]
-    fn new(simd: S, z: &Matrix<S>, resistances: &[Re<S>]) -> Self {
-        let n = z.columns;
-        let one = Re::splat(simd, 1.0);
-        let least = Re::splat(simd, 1e-280);
-        let mut roots = resistances.to_vec();
-        for root in &mut roots {
-            *root = root.max(least).sqrt();
-        }
-        let mut inverse = roots.clone();
-        for root in &mut inverse {
-            *root = one / *root;
-        }
-        let mut scaled = Matrix::zeros(simd, n, n);
-        for i in 0..n {
-            for j in 0..n {
-                scaled.data[i * n + j] = z.data[i * n + j] * roots[i] * roots[j];
-            }
-        }
-        let mut sum = scaled.clone();
-        for i in 0..n {
-            sum.data[i * n + i] = sum.data[i * n + i] + one;
-        }
-        let (factor, _) = Cholesky::new(simd, sum);
-        factor.solve_columns(&mut scaled);
-        for i in 0..n {
-            for j in 0..n {
-                scaled.data[i * n + j] = scaled.data[i * n + j] * inverse[i] * inverse[j];
-            }
-        }
-        Self { roots, inverse, factor, admittance: scaled }
-    }
-
-    /// `(1 + R Z)^-1 v`.
-    #[inline(always)]
-    fn divide(&self, simd: S, v: &mut [Re<S>]) {
-        multiply(v, &self.inverse);
-        self.factor.solve(v, Re::splat(simd, 0.0));
-        multiply(v, &self.roots);
-    }
-
-    /// `u - R e`.
-    #[inline(always)]
-    fn drop(&self, simd: S, e: &[Re<S>], u: Option<&[Re<S>]>) -> Vec<Re<S>> {
-        let zero = Re::splat(simd, 0.0);
-        let mut drop = Vec::with_capacity(e.len());
-        for i in 0..e.len() {
-            let from = u.map_or(zero, |u| u[i]);
-            drop.push((self.roots[i] * self.roots[i]).neg_mul_add(e[i], from));
-        }
-        drop
-    }
-
-    /// `e + y (u - R e)`.
-    #[inline(always)]
-    fn carry(&self, simd: S, e: &[Re<S>], u: Option<&[Re<S>]>) -> Vec<Re<S>> {
-        let zero = Re::splat(simd, 0.0);
-        let drop = self.drop(simd, e, u);
-        apply_add(&self.admittance, &drop, e, zero)
-    }
+    pub drives: Vec<LayerDrive<S>>,
 }
 
 /// The state at a boundary, for one drive: sums and differences of the weighted streams.
@@ -172,7 +81,7 @@ pub(super) struct Level<S: Simd> {
 impl<S: Simd> Modes<S> {
     /// From modes to streams.
     #[inline(always)]
-    fn streams(&self, simd: S, modal: &Level<S>) -> Level<S> {
+    pub fn streams(&self, simd: S, modal: &Level<S>) -> Level<S> {
         Level { s: self.combine(simd, &self.x, &modal.s), d: self.combine(simd, &self.y, &modal.d) }
     }
 }
@@ -182,8 +91,8 @@ pub(super) struct Answer<S: Simd> {
     /// Just above the first plane, and just below the last.
     pub above: Vec<Level<S>>,
     pub below: Vec<Level<S>>,
-    /// At the depths at which layers are cut, by layer, cut and drive.
-    pub cuts: Vec<Vec<Vec<Level<S>>>>,
+    /// By drive and layer, in modes: at its top, at the depths at which it is cut, and at its bottom.
+    pub ends: Vec<Vec<Vec<Level<S>>>>,
 }
 
 /// A swept stack.
@@ -225,7 +134,8 @@ impl<'a, S: Simd> Sweep<'a, S> {
             if j > 0 {
                 let table = &tables[above];
                 let mut slice = slice(simd, lanes, j - 1, table, drives, &beams);
-                (z, e) = slice.climb(simd, lanes, j - 1, table, (drives, &beams), &cuts[j - 1], z, e);
+                let whole = lanes.gather(simd, |plan, _| plan.layers[j - 1].thickness);
+                (z, e) = slice.climb(simd, whole, &cuts[j - 1], z, e);
                 slices.push(slice);
             }
         }
@@ -241,14 +151,12 @@ impl<'a, S: Simd> Sweep<'a, S> {
     pub fn descend(&self) -> Answer<S> {
         let simd = self.simd;
         let zero = Re::splat(simd, 0.0);
-        let mut answer = Answer { above: Vec::new(), below: Vec::new(), cuts: Vec::with_capacity(self.slices.len()) };
-        for slice in &self.slices {
-            answer.cuts.push(slice.pieces.iter().skip(1).map(|_| Vec::new()).collect());
-        }
+        let mut answer = Answer { above: Vec::new(), below: Vec::new(), ends: Vec::with_capacity(self.drives.len()) };
         for (index, drive) in self.drives.iter().enumerate() {
             let table = &self.tables[self.lanes.plans[0].above];
             let mut level = self.enter(index, drive, table);
             answer.above.push(level.clone());
+            let mut layers = Vec::with_capacity(self.slices.len());
             for j in 0..self.crossings.len() {
                 if let Some(crossing) = &self.crossings[j] {
                     level = crossing.descend(simd, index, &level);
@@ -256,14 +164,17 @@ impl<'a, S: Simd> Sweep<'a, S> {
                 let Some(slice) = self.slices.get(j) else { break };
                 let modes = &slice.modes;
                 let mut modal = Level { s: apply(&modes.y, &level.s, zero), d: apply(&modes.x, &level.d, zero) };
-                for (cut, piece) in slice.pieces.iter().enumerate() {
-                    modal = piece.descend(simd, index, &modal);
-                    level = modes.streams(simd, &modal);
-                    if let Some(list) = answer.cuts[j].get_mut(cut) {
-                        list.push(level.clone());
-                    }
+                let mut ends = Vec::with_capacity(slice.pieces.len() + 1);
+                for piece in &slice.pieces {
+                    let next = piece.descend(simd, index, &modal);
+                    ends.push(modal);
+                    modal = next;
                 }
+                level = modes.streams(simd, &modal);
+                ends.push(modal);
+                layers.push(ends);
             }
+            answer.ends.push(layers);
             answer.below.push(level);
         }
         answer
@@ -367,98 +278,6 @@ fn ground<S: Simd>(
 }
 
 #[inline(always)]
-fn cross<S: Simd>(simd: S, lanes: &Lanes, plane: usize, above: usize, z: Matrix<S>, e: Vec<Vec<Re<S>>>) -> Crossing<S> {
-    let common = above.min(z.columns);
-    let mut resistances = Vec::with_capacity(common);
-    for i in 0..common {
-        let share = |plan: &Plan, _: usize| plan.planes[plane].resistance.as_ref().map_or(0.0, |r| r[i]);
-        resistances.push(lanes.gather(simd, share));
-    }
-    let ((admittance, from_below), trapped) =
-        if common < z.columns { eliminate(simd, z, e, common) } else { ((z, e), None) };
-    let series = Series::new(simd, &admittance, &resistances);
-    Crossing { series, trapped, from_below, admittance, above }
-}
-
-/// Without the streams from `common` on, which find no way up: their difference is 0.
-#[inline(always)]
-fn eliminate<S: Simd>(
-    simd: S,
-    z: Matrix<S>,
-    mut e: Vec<Vec<Re<S>>>,
-    common: usize,
-) -> (Answering<S>, Option<Trapped<S>>) {
-    let count = z.columns - common;
-    let zero = Re::splat(simd, 0.0);
-    let (mut inner, mut coupling) = (Matrix::zeros(simd, count, count), Matrix::zeros(simd, count, common));
-    let mut outer = Matrix::zeros(simd, common, common);
-    for t in 0..count {
-        inner.row_mut(t).copy_from_slice(&z.row(common + t)[common..]);
-        coupling.row_mut(t).copy_from_slice(&z.row(common + t)[..common]);
-    }
-    for i in 0..common {
-        outer.row_mut(i).copy_from_slice(&z.row(i)[..common]);
-    }
-    let (factor, _) = Cholesky::new(simd, inner);
-    let mut solved = coupling.clone();
-    factor.solve_columns(&mut solved);
-    for t in 0..count {
-        for i in 0..common {
-            let weight = coupling.row(t)[i];
-            subtract_scaled(outer.row_mut(i), weight, solved.row(t));
-        }
-    }
-    let mut from_below = Vec::with_capacity(e.len());
-    for e in &mut e {
-        let mut rest = e.split_off(common);
-        from_below.push(rest.clone());
-        factor.solve(&mut rest, zero);
-        for (t, value) in rest.iter().enumerate() {
-            subtract_scaled(e, *value, coupling.row(t));
-        }
-    }
-    ((outer, e), Some(Trapped { factor, coupling, from_below }))
-}
-
-impl<S: Simd> Crossing<S> {
-    /// The streams that only exist above are reflected totally: their difference is 0.
-    #[inline(always)]
-    fn seen_from_above(&self, simd: S) -> Answering<S> {
-        let common = self.admittance.columns;
-        let zero = Re::splat(simd, 0.0);
-        let mut z = Matrix::zeros(simd, self.above, self.above);
-        for i in 0..common {
-            z.row_mut(i)[..common].copy_from_slice(self.series.admittance.row(i));
-        }
-        let mut sources = Vec::with_capacity(self.from_below.len());
-        for e in &self.from_below {
-            let mut e = self.series.carry(simd, e, None);
-            e.resize(self.above, zero);
-            sources.push(e);
-        }
-        (z, sources)
-    }
-
-    #[inline(always)]
-    fn descend(&self, simd: S, drive: usize, above: &Level<S>) -> Level<S> {
-        let zero = Re::splat(simd, 0.0);
-        let common = self.admittance.columns;
-        let e = &self.from_below[drive];
-        let mut s = self.series.drop(simd, e, Some(&above.s[..common]));
-        self.series.divide(simd, &mut s);
-        let mut d = apply_add(&self.admittance, &s, e, zero);
-        if let Some(Trapped { factor, coupling, from_below }) = &self.trapped {
-            let mut rest = apply_add(coupling, &s, &from_below[drive], zero);
-            scale(&mut rest, Re::splat(simd, -1.0));
-            factor.solve(&mut rest, zero);
-            d.resize(common + rest.len(), zero);
-            s.extend(rest);
-        }
-        Level { s, d }
-    }
-}
-
-#[inline(always)]
 fn slice<S: Simd>(
     simd: S,
     lanes: &Lanes,
@@ -477,35 +296,18 @@ fn slice<S: Simd>(
     }
     let loss = lanes.gather(simd, |plan, _| plan.layers[layer].loss);
     let modes = Modes::new(simd, table, strength, loss);
-    let mut couplings = Vec::with_capacity(drives.len());
+    let mut own = Vec::with_capacity(drives.len());
     for (drive, lines) in drives.iter().zip(beams) {
-        let cosine: LaneArray =
-            std::array::from_fn(|lane| lines[lane].as_ref().map_or(1.0, |line| line.layers[layer].cosine));
-        couplings.push(match drive.beam {
-            Some(_) => Some(modes.coupling(simd, table, Re::load(simd, &cosine))),
-            None => None,
-        });
+        own.push(LayerDrive::new(simd, lanes, layer, (table, &modes), drive, lines));
     }
-    Slice { modes, pieces: Vec::new(), beams: couplings }
+    Slice { modes, pieces: Vec::new(), drives: own }
 }
 
 impl<S: Simd> Slice<S> {
     /// From the bottom of the layer to its top: the admittance and sources there.
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "the state of the sweep")]
-    fn climb(
-        &mut self,
-        simd: S,
-        lanes: &Lanes,
-        layer: usize,
-        table: &Table<S>,
-        (drives, beams): (&[Drive], &[Vec<Option<BeamLine>>]),
-        cuts: &[Re<S>],
-        z: Matrix<S>,
-        e: Vec<Vec<Re<S>>>,
-    ) -> Answering<S> {
+    fn climb(&mut self, simd: S, whole: Re<S>, cuts: &[Re<S>], z: Matrix<S>, e: Vec<Vec<Re<S>>>) -> Answering<S> {
         let zero = Re::splat(simd, 0.0);
-        let whole = lanes.gather(simd, |plan, _| plan.layers[layer].thickness);
         let modes = &self.modes;
         // Z is symmetric: so is what it becomes in modes.
         let half = product(simd, &modes.x, &z);
@@ -523,10 +325,10 @@ impl<S: Simd> Slice<S> {
                 let k = k.lanes();
                 passages.push(std::array::from_fn(|lane| Passage::new(k[lane], t[lane])));
             }
-            let drivers = Drivers { simd, lanes, layer, table, modes, top, thickness, whole, passages: &passages };
-            let mut own = Vec::with_capacity(drives.len());
-            for ((drive, lines), coupling) in drives.iter().zip(beams).zip(&self.beams) {
-                own.push(drivers.own(drive, lines, coupling.as_ref()));
+            let extent = Extent { top, thickness, whole };
+            let mut own = Vec::with_capacity(self.drives.len());
+            for drive in &self.drives {
+                own.push(drive.own(simd, modes, &passages, extent));
             }
             let (piece, up) = piece(simd, modes, &passages, z, e, own);
             (z, e) = up;
@@ -606,123 +408,4 @@ impl<S: Simd> Piece<S> {
         let g = apply_add(&self.below, &f, e, zero);
         Level { s: f, d: g }
     }
-}
-
-/// One number per lane.
-#[inline(always)]
-pub(super) fn lanewise<S: Simd>(simd: S, value: impl Fn(usize) -> f64) -> Re<S> {
-    let mut lanes = [0.0; MAX_LANES];
-    lanes[..S::F64_LANES].iter_mut().enumerate().for_each(|(lane, out)| *out = value(lane));
-    Re::load(simd, &lanes)
-}
-
-/// What drives the modes of a piece.
-struct Drivers<'a, S: Simd> {
-    simd: S,
-    lanes: &'a Lanes<'a>,
-    layer: usize,
-    table: &'a Table<S>,
-    modes: &'a Modes<S>,
-    top: Re<S>,
-    thickness: Re<S>,
-    whole: Re<S>,
-    passages: &'a [Passages],
-}
-
-impl<S: Simd> Drivers<'_, S> {
-    /// What the sources in the piece give to `f` at the bottom, and to `g` at the top.
-    #[inline(always)]
-    fn own(&self, drive: &Drive, lines: &[Option<BeamLine>], coupling: Option<&[Vec<Re<S>>; 2]>) -> [Vec<Re<S>>; 2] {
-        let zero = Re::splat(self.simd, 0.0);
-        let n = self.modes.k.len();
-        let mut own = [vec![zero; n], vec![zero; n]];
-        if let Some(coupling) = coupling {
-            self.add_beam(lines, coupling, &mut own);
-        }
-        if drive.emission {
-            self.add_emission(&mut own);
-        }
-        own
-    }
-
-    #[inline(always)]
-    fn add_beam(&self, lines: &[Option<BeamLine>], [even, odd]: &[Vec<Re<S>>; 2], own: &mut [Vec<Re<S>>; 2]) {
-        let strengths = self.strengths(lines);
-        let (top, t) = (self.top.lanes(), self.thickness.lanes());
-        let whole = self.whole.lanes();
-        let nu: LaneArray = strengths.map(|(_, _, cosine)| 1.0 / cosine);
-        let fade: LaneArray = std::array::from_fn(|lane| (-nu[lane] * t[lane]).exp());
-        let down = lanewise(self.simd, |lane| strengths[lane].0 * (-nu[lane] * top[lane]).exp());
-        let up = lanewise(self.simd, |lane| {
-            strengths[lane].1 * (-nu[lane] * (whole[lane] - top[lane] - t[lane]).max(0.0)).exp()
-        });
-        for i in 0..self.modes.k.len() {
-            let k = self.modes.k[i].lanes();
-            let mut parts = [[0.0; MAX_LANES]; 4];
-            for lane in 0..S::F64_LANES {
-                let o = Overlap::new(k[lane], nu[lane], t[lane], &self.passages[i][lane], fade[lane]);
-                parts[0][lane] = o.cosh;
-                parts[1][lane] = o.sinh;
-                parts[2][lane] = o.cosh_back;
-                parts[3][lane] = o.sinh_back;
-            }
-            let [cosh, sinh, cosh_back, sinh_back] = parts.map(|part| Re::load(self.simd, &part));
-            let k2 = self.modes.k[i] * self.modes.k[i];
-            let (alpha, beta) = (odd[i], even[i]);
-            // The beam up has the odd part of the other sign, and runs from the bottom.
-            own[0][i] = own[0][i] + down * (cosh * alpha + sinh * beta) + up * (sinh_back * beta - cosh_back * alpha);
-            own[1][i] =
-                own[1][i] + down * (k2 * sinh_back * alpha - cosh_back * beta) - up * (k2 * sinh * alpha + cosh * beta);
-        }
-    }
-
-    /// Of each lane: the beam down at the top of the layer and up at its bottom, as they drive the modes, and the cosine.
-    #[inline(always)]
-    fn strengths(&self, lines: &[Option<BeamLine>]) -> [(f64, f64, f64); MAX_LANES] {
-        std::array::from_fn(|lane| {
-            let Some(beam) = lines[lane].as_ref().map(|line| line.layers[self.layer]) else { return (0.0, 0.0, 1.0) };
-            let scale = azimuthal(self.lanes.orders[lane]) / beam.cosine;
-            (beam.down * scale, beam.up * scale, beam.cosine)
-        })
-    }
-
-    #[inline(always)]
-    fn add_emission(&self, own: &mut [Vec<Re<S>>; 2]) {
-        let simd = self.simd;
-        let zero = Re::splat(simd, 0.0);
-        let mut drive = self.table.weights.clone();
-        for (value, cosine) in drive.iter_mut().zip(&self.table.cosines) {
-            *value = self.table.index * (*value / *cosine).sqrt();
-        }
-        let shares = apply(&self.modes.x, &drive, zero);
-        let [from, slope] = self.emitted();
-        let t = self.thickness.lanes();
-        for (i, share) in shares.iter().enumerate() {
-            let k = self.modes.k[i].lanes();
-            let o: [LinearOverlap; MAX_LANES] = std::array::from_fn(|lane| LinearOverlap::new(k[lane], t[lane]));
-            let flat = lanewise(simd, |lane| o[lane].flat);
-            let rising = lanewise(simd, |lane| o[lane].rising);
-            let steep = lanewise(simd, |lane| o[lane].steep);
-            own[0][i] = own[0][i] + *share * (from * rising + slope * steep);
-            own[1][i] = own[1][i] - *share * (from * flat + slope * rising);
-        }
-    }
-
-    /// Twice what is emitted per optical depth: at the top of the piece, and its slope.
-    #[inline(always)]
-    pub fn emitted(&self) -> [Re<S>; 2] {
-        let scale = |plan: &Plan, m: usize| if m == 0 { 2.0 * plan.layers[self.layer].loss } else { 0.0 };
-        let emission = |plan: &Plan| plan.stack.layers[self.layer].emission;
-        let from = self.lanes.gather(self.simd, |plan, m| scale(plan, m) * emission(plan)[0]);
-        let slope = self.lanes.gather(self.simd, |plan, m| {
-            let [top, bottom] = emission(plan);
-            scale(plan, m) * (bottom - top) / plan.layers[self.layer].thickness.max(1e-300)
-        });
-        [from + slope * self.top, slope]
-    }
-}
-
-/// What a beam of flux 1 along its direction gives to one order of the sum over azimuths: `(2 - delta_m0) / 2 pi`.
-pub(super) fn azimuthal(order: usize) -> f64 {
-    if order == 0 { 0.5 / std::f64::consts::PI } else { 1.0 / std::f64::consts::PI }
 }
