@@ -55,10 +55,16 @@ pub enum TransferError {
         /// The offending number.
         streams: usize,
     },
-    /// The cosine of a direction must lie in (0, 1].
-    #[error("the cosine {value} of a direction is not above 0 and at most 1")]
+    /// The cosine of a direction must lie in (0, 1]; of light that may rise, in [-1, 1] but not at 0.
+    #[error("the cosine {value} of a direction is 0, not a number, or beyond 1")]
     Cosine {
         /// The offending value.
+        value: f64,
+    },
+    /// An azimuth is a finite angle.
+    #[error("the azimuth {value} is not a finite angle")]
+    Azimuth {
+        /// The offending value, rad.
         value: f64,
     },
     /// Irradiances and radiances are finite and not negative.

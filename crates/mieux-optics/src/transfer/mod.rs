@@ -13,7 +13,7 @@ mod moments;
 mod stack;
 mod streams;
 
-pub use discrete_ordinates::{DiscreteOrdinates, Fluxes, Light};
+pub use discrete_ordinates::{DiscreteOrdinates, Fluxes, Light, Place, Radiances, Views};
 pub use error::TransferError;
 pub use moments::{MAX_MOMENTS, Moments};
 pub use stack::{Ground, Incidence, Layer, Shares, Stack};

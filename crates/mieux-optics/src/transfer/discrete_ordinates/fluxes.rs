@@ -1,11 +1,15 @@
 //! Fluxes at any depth.
 
+use std::f64::consts::PI;
+
 use pulp::{Simd, WithSimd};
 
 use super::beam::{BeamLine, Thickness};
+use super::modes::Table;
 use super::plan::Plan;
 use super::shares::{check_modes, flux};
-use super::sweep::{Drive, Lanes, Sweep};
+use super::sweep::{Drive, Lanes, Level, Sweep};
+use super::views::Cuts;
 use super::{DiscreteOrdinates, check_cosine};
 use crate::lanes::{MAX_LANES, Re};
 use crate::transfer::{Stack, TransferError};
@@ -23,6 +27,10 @@ pub struct Light {
 }
 
 impl Light {
+    pub(super) fn drive(&self) -> Drive {
+        Drive { beam: self.beam, above: self.above, below: self.below, emission: true }
+    }
+
     pub(super) fn check(&self) -> Result<(), TransferError> {
         if let Some((cosine, _)) = self.beam {
             check_cosine(cosine)?;
@@ -44,6 +52,8 @@ pub struct Fluxes {
     pub down_diffuse: f64,
     /// Upward.
     pub up: f64,
+    /// The mean over all directions of all radiance, the beam's included; in the unit of the light per steradian.
+    pub mean_intensity: f64,
 }
 
 impl Fluxes {
@@ -53,50 +63,21 @@ impl Fluxes {
     }
 }
 
-/// Where a depth lies: the layer, the depth in it, and the place in the list of those asked for.
-#[derive(Debug, Clone, Copy)]
-struct Place {
-    layer: usize,
-    depth: f64,
-    asked: usize,
-}
-
 pub(super) fn solve(
     solver: &DiscreteOrdinates,
     stack: &Stack,
     light: &Light,
     depths: &[f64],
 ) -> Result<Vec<Fluxes>, TransferError> {
-    let mut places = Vec::with_capacity(depths.len());
-    for (asked, depth) in depths.iter().enumerate() {
-        places.push(place(stack, *depth, asked)?);
-    }
-    places.sort_by(|a, b| a.layer.cmp(&b.layer).then(a.depth.total_cmp(&b.depth)));
+    let cuts = Cuts::new(stack, depths.iter().copied().map(Some))?;
     let plan = Plan::new(stack, solver.streams, solver.cut_peak);
-    pulp::Arch::new().dispatch(Question { plan: &plan, light, places: &places, streams: solver.streams })
-}
-
-/// A depth at a plane belongs to the layer below, that of the bottom to the last.
-fn place(stack: &Stack, depth: f64, asked: usize) -> Result<Place, TransferError> {
-    let last = stack.layers.len().saturating_sub(1);
-    let mut rest = depth;
-    if depth >= 0.0 {
-        for (layer, thickness) in stack.layers.iter().map(|layer| layer.optical_thickness).enumerate() {
-            // What is left after subtracting the layers above carries their rounding.
-            let slack = 1e-12 * depth;
-            if rest < thickness || (layer == last && rest <= thickness + slack) {
-                return Ok(Place { layer, depth: rest.min(thickness), asked });
-            }
-            rest -= thickness;
-        }
-    }
-    Err(TransferError::Depth { layer: last, value: depth })
+    pulp::Arch::new().dispatch(Question { plan: &plan, light, cuts: &cuts, streams: solver.streams })
 }
 
 struct Question<'a> {
     plan: &'a Plan<'a>,
     light: &'a Light,
-    places: &'a [Place],
+    cuts: &'a Cuts,
     streams: usize,
 }
 
@@ -105,39 +86,42 @@ impl WithSimd for Question<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { plan, light, places, streams } = self;
+        let Self { plan, light, cuts, streams } = self;
         let lanes = Lanes { plans: [plan; MAX_LANES], orders: [0; MAX_LANES] };
-        let mut cuts = vec![Vec::new(); plan.layers.len()];
-        for place in places {
-            cuts[place.layer].push(Re::splat(simd, place.depth * plan.layers[place.layer].stretch));
-        }
-        let drive = Drive { beam: light.beam, above: light.above, below: light.below, emission: true };
-        let drives = [drive];
-        let sweep = Sweep::new(simd, &lanes, &drives, &cuts);
+        let drives = [light.drive()];
+        let sweep = Sweep::new(simd, &lanes, &drives, &cuts.scaled(simd, plan));
         check_modes(&sweep, 1, streams)?;
         let answer = sweep.descend();
         let line = |thickness| light.beam.map(|(cosine, flux)| BeamLine::new(plan, cosine, flux, &thickness));
         let (scaled, exact) = (line(Thickness::Scaled), line(Thickness::True));
-        let mut out = vec![Fluxes { down_direct: 0.0, down_diffuse: 0.0, up: 0.0 }; places.len()];
-        let mut cut = 0;
-        for (i, place) in places.iter().enumerate() {
-            let layer = &plan.layers[place.layer];
-            // Those in one layer come one after the other, from its top.
-            cut = if i > 0 && places[i - 1].layer == place.layer { cut + 1 } else { 1 };
-            let modal = &answer.ends[0][place.layer][cut];
-            let level = &sweep.slices[place.layer].modes.streams(simd, modal);
+        let mut out = Vec::with_capacity(cuts.asked.len());
+        for (number, cut) in cuts.asked.iter().flatten() {
+            let (layer, depth) = (&plan.layers[*number], cuts.depths[*number][*cut]);
             let table = &sweep.tables[layer.medium];
+            let level = &sweep.slices[*number].modes.streams(simd, &answer.ends[0][*number][cut + 1]);
             let beam = |line: &Option<BeamLine>, depth: f64, thickness: f64| {
-                line.as_ref().map_or([0.0; 2], |line| line.layers[place.layer].at(depth, thickness))
+                line.as_ref().map_or([0.0; 2], |line| line.layers[*number].at(depth, thickness))
             };
-            let [down, up] = beam(&scaled, place.depth * layer.stretch, layer.thickness);
-            let [direct, _] = beam(&exact, place.depth, plan.stack.layers[place.layer].optical_thickness);
-            out[place.asked] = Fluxes {
+            let [down, up] = beam(&scaled, depth * layer.stretch, layer.thickness);
+            let [direct, _] = beam(&exact, depth, plan.stack.layers[*number].optical_thickness);
+            let cosine = scaled.as_ref().map_or(1.0, |line| line.layers[*number].cosine);
+            out.push(Fluxes {
                 down_direct: direct,
                 down_diffuse: flux(simd, table, level, 1.0)[0] + down - direct,
                 up: flux(simd, table, level, -1.0)[0] + up,
-            };
+                mean_intensity: mean_intensity(simd, table, level) + (down + up) / (4.0 * PI * cosine),
+            });
         }
         Ok(out)
     }
+}
+
+/// Of the streams.
+#[inline(always)]
+fn mean_intensity<S: Simd>(simd: S, table: &Table<S>, level: &Level<S>) -> f64 {
+    let mut sum = Re::splat(simd, 0.0);
+    for (i, s) in level.s.iter().enumerate() {
+        sum = (table.weights[i] / table.cosines[i]).sqrt().mul_add(*s, sum);
+    }
+    0.5 * (sum * table.index).lanes()[0]
 }

@@ -2,24 +2,30 @@
 //! function, any number of layers, and refracting planes between them.
 //!
 //! `plan.rs` makes a stack ready, `modes.rs` solves each layer, `sweep.rs` joins them from the ground up and comes back
-//! down, `shares.rs` and `fluxes.rs` read off what is asked. Several problems are solved abreast, one per lane: stacks of
+//! down, `shares.rs`, `fluxes.rs` and `radiance.rs` read off what is asked. Several problems are solved abreast, one per lane: stacks of
 //! one shape (the wavelengths of a spectrum), or the orders of an expansion in azimuth.
 
 mod beam;
 mod crossing;
 mod depth;
 mod drivers;
+mod first_order;
 mod fluxes;
+mod gathered;
 mod legendre;
 mod matrix;
 mod modes;
 mod plan;
+mod radiance;
+mod ray;
 mod shares;
 mod sweep;
+mod views;
 
 use super::{Incidence, Shares, Stack, TransferError};
 
 pub use fluxes::{Fluxes, Light};
+pub use views::{Place, Radiances, Views};
 
 /// The solver and its settings.
 ///
@@ -40,11 +46,14 @@ pub struct DiscreteOrdinates {
     pub streams: usize,
     /// Whether what the streams cannot resolve of the forward peak counts as not scattered (delta-M, `wiscombe1977`).
     pub cut_peak: bool,
+    /// Whether radiance has its first scattering with all moments of the phase function (`nakajima1988`), rather than with
+    /// those that the streams can tell apart.
+    pub correct_radiance: bool,
 }
 
 impl Default for DiscreteOrdinates {
     fn default() -> Self {
-        Self { streams: 32, cut_peak: true }
+        Self { streams: 32, cut_peak: true, correct_radiance: true }
     }
 }
 
@@ -104,6 +113,18 @@ impl DiscreteOrdinates {
         stack.check()?;
         light.check()?;
         fluxes::solve(self, stack, light, depths)
+    }
+
+    /// The radiance at heights, and in directions, in the stack and outside; emission counts.
+    ///
+    /// # Errors
+    /// [`TransferError`] for matter, light, depths or directions that cannot be.
+    pub fn radiance(&self, stack: &Stack, light: &Light, views: &Views) -> Result<Radiances, TransferError> {
+        self.check()?;
+        stack.check()?;
+        light.check()?;
+        views.check()?;
+        radiance::solve(self, stack, light, views)
     }
 }
 
