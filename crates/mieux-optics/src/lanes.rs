@@ -10,6 +10,13 @@ pub(crate) const MAX_LANES: usize = 8;
 /// One number per lane, as plain memory.
 pub(crate) type LaneArray = [f64; MAX_LANES];
 
+/// Takes a large step as a function of its own, compiled for wide registers once and not once for every place that takes
+/// it. The closure is to be `#[inline(always)]`, and to do nothing but call.
+#[inline(never)]
+pub(crate) fn step<S: Simd, R>(simd: S, work: impl FnOnce() -> R) -> R {
+    simd.vectorize(work)
+}
+
 /// Real numbers abreast.
 #[derive(Clone, Copy)]
 pub(crate) struct Re<S: Simd> {

@@ -10,7 +10,7 @@ use super::depth::{crossing, fading};
 use super::drivers::{Extent, LayerDrive};
 use super::modes::{Modes, Table};
 use super::sweep::Level;
-use crate::lanes::Re;
+use crate::lanes::{Re, step};
 
 /// A direction (up and down) in a layer.
 pub(super) struct Receiver<S: Simd> {
@@ -57,6 +57,18 @@ impl<S: Simd> Receiver<S> {
     /// scattered after being emitted.
     #[inline(always)]
     pub fn gather(
+        &self,
+        simd: S,
+        modes: &Modes<S>,
+        drive: &LayerDrive<S>,
+        extent: Extent<S>,
+        [top, bottom]: [&Level<S>; 2],
+    ) -> Gathered<S> {
+        step(simd, #[inline(always)] || self.both(simd, modes, drive, extent, [top, bottom]))
+    }
+
+    #[inline(always)]
+    fn both(
         &self,
         simd: S,
         modes: &Modes<S>,

@@ -15,7 +15,7 @@ use pulp::Simd;
 
 use super::legendre::{Orders, Recurrence};
 use super::matrix::{Cholesky, Matrix, add_scaled, apply, dot, multiply, scale, subtract_scaled};
-use crate::lanes::{LaneArray, Re};
+use crate::lanes::{LaneArray, Re, step};
 
 /// What the streams of a medium are, and the Legendre functions at them.
 pub(super) struct Table<S: Simd> {
@@ -144,6 +144,11 @@ impl<S: Simd> Modes<S> {
     /// `loss` is one minus the albedo.
     #[inline(always)]
     pub fn new(simd: S, table: &Table<S>, strength: Vec<Re<S>>, loss: Re<S>) -> Self {
+        step(simd, #[inline(always)] || Self::find(simd, table, strength, loss))
+    }
+
+    #[inline(always)]
+    fn find(simd: S, table: &Table<S>, strength: Vec<Re<S>>, loss: Re<S>) -> Self {
         let n = table.cosines.len();
         let one = Re::splat(simd, 1.0);
         let (odd, least_odd) = Cholesky::new(simd, remainder(simd, &table.functions, &strength, 1));
@@ -179,6 +184,11 @@ impl<S: Simd> Modes<S> {
     /// p_j / n` over even `j`, and the same of `Y` over odd.
     #[inline(always)]
     pub fn coupling(&self, simd: S, table: &Table<S>, cosine: Re<S>) -> [Vec<Re<S>>; 2] {
+        step(simd, #[inline(always)] || self.couple(simd, table, cosine))
+    }
+
+    #[inline(always)]
+    fn couple(&self, simd: S, table: &Table<S>, cosine: Re<S>) -> [Vec<Re<S>>; 2] {
         let zero = Re::splat(simd, 0.0);
         let mut there = Vec::with_capacity(self.strength.len());
         table.recurrence.append(simd, cosine, &mut there);

@@ -17,7 +17,7 @@ use super::legendre::Orders;
 use super::matrix::{Matrix, add_scaled, apply, apply_add, dot, product, scale, symmetric_product};
 use super::modes::{Modes, Table};
 use super::plan::Plan;
-use crate::lanes::{LaneArray, MAX_LANES, Re};
+use crate::lanes::{LaneArray, MAX_LANES, Re, step};
 use crate::transfer::Ground;
 
 /// What drives the light, for one right-hand side.
@@ -115,6 +115,11 @@ impl<'a, S: Simd> Sweep<'a, S> {
     /// in each lane.
     #[inline(always)]
     pub fn new(simd: S, lanes: &'a Lanes<'a>, drives: &'a [Drive], cuts: &[Vec<Re<S>>]) -> Self {
+        step(simd, #[inline(always)] || Self::ascend(simd, lanes, drives, cuts))
+    }
+
+    #[inline(always)]
+    fn ascend(simd: S, lanes: &'a Lanes<'a>, drives: &'a [Drive], cuts: &[Vec<Re<S>>]) -> Self {
         let tables = tables(simd, lanes);
         let beams: Vec<Vec<Option<BeamLine>>> = drives.iter().map(|drive| beam_lines(lanes, drive)).collect();
         let first = lanes.plans[0];
@@ -125,7 +130,8 @@ impl<'a, S: Simd> Sweep<'a, S> {
         for j in (0..=count).rev() {
             let above = if j == 0 { first.above } else { first.layers[j - 1].medium };
             crossings.push(if first.planes[j].resistance.is_some() {
-                let crossing = cross(simd, lanes, j, tables[above].cosines.len(), z, e);
+                let count = tables[above].cosines.len();
+                let crossing = step(simd, #[inline(always)] || cross(simd, lanes, j, count, z, e));
                 (z, e) = crossing.seen_from_above(simd);
                 Some(crossing)
             } else {
@@ -135,7 +141,8 @@ impl<'a, S: Simd> Sweep<'a, S> {
                 let table = &tables[above];
                 let mut slice = slice(simd, lanes, j - 1, table, drives, &beams);
                 let whole = lanes.gather(simd, |plan, _| plan.layers[j - 1].thickness);
-                (z, e) = slice.climb(simd, whole, &cuts[j - 1], z, e);
+                let cuts = &cuts[j - 1];
+                (z, e) = step(simd, #[inline(always)] || slice.climb(simd, whole, cuts, z, e));
                 slices.push(slice);
             }
         }
@@ -149,6 +156,11 @@ impl<'a, S: Simd> Sweep<'a, S> {
     /// Back down.
     #[inline(always)]
     pub fn descend(&self) -> Answer<S> {
+        step(self.simd, #[inline(always)] || self.levels())
+    }
+
+    #[inline(always)]
+    fn levels(&self) -> Answer<S> {
         let simd = self.simd;
         let zero = Re::splat(simd, 0.0);
         let mut answer = Answer { above: Vec::new(), below: Vec::new(), ends: Vec::with_capacity(self.drives.len()) };

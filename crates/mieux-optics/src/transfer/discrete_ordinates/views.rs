@@ -21,6 +21,7 @@ pub enum Place {
 /// The directions and heights at which radiance is asked for: all combinations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Views<'a> {
+    /// Where.
     pub places: &'a [Place],
     /// Cosines of the directions in which the light travels, against the downward normal, in the medium of the place: in
     /// (0, 1] downward, in [-1, 0) upward.
