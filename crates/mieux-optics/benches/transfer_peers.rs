@@ -7,7 +7,9 @@
 
 use std::error::Error;
 
-use mieux_optics::transfer::{DiscreteOrdinates, Ground, Incidence, Layer, Moments, Stack};
+use mieux_optics::transfer::{
+    DiscreteOrdinates, Ground, Incidence, Layer, Light, Moments, Place, Radiances, Stack, Views,
+};
 use rustix::time::{ClockId, clock_gettime};
 
 /// Processor time used so far, s.
@@ -89,7 +91,8 @@ type Values = Vec<Vec<f64>>;
 fn solve(problems: &Problems) -> Result<Option<(f64, Values)>, Box<dyn Error>> {
     match problems.task.as_str() {
         "flux" => flux(problems).map(Some),
-        "radiance" | "adding" => problems.stacks().map(|_| None),
+        "radiance" => radiance(problems).map(Some),
+        "adding" => problems.stacks().map(|_| None),
         "inversion" => Ok(None),
         other => Err(format!("unknown task {other:?}").into()),
     }
@@ -103,6 +106,33 @@ fn flux(problems: &Problems) -> Result<(f64, Values), Box<dyn Error>> {
     let shares = solver.shares_of(&stacks, &[problems.incidence()])?;
     let seconds = cpu_seconds() - start;
     Ok((seconds, shares.iter().map(|s| vec![s[0].reflectance, s[0].transmittance]).collect()))
+}
+
+/// By cosine, depth (the top, the bottom) and azimuth.
+fn radiance(problems: &Problems) -> Result<(f64, Values), Box<dyn Error>> {
+    let stacks = problems.stacks()?;
+    let solver = DiscreteOrdinates {
+        correct_radiance: problems.correction,
+        ..DiscreteOrdinates::with_streams(problems.streams)?
+    };
+    let light = Light { beam: Some((problems.beam, 1.0)), ..Light::default() };
+    let azimuths: Vec<f64> = problems.azimuths.iter().map(|degrees| degrees.to_radians()).collect();
+    // The problems have positive cosines upward.
+    let cosines: Vec<f64> = problems.cosines.iter().map(|cosine| -cosine).collect();
+    let views = Views { places: &[Place::Above, Place::Below], cosines: &cosines, azimuths: &azimuths };
+    let start = cpu_seconds();
+    let found = stacks.iter().map(|stack| solver.radiance(stack, &light, &views)).collect::<Result<Vec<_>, _>>()?;
+    let seconds = cpu_seconds() - start;
+    let row = |radiances: &Radiances| {
+        let mut row = Vec::with_capacity(radiances.as_slice().len());
+        for cosine in 0..cosines.len() {
+            for place in 0..2 {
+                row.extend((0..azimuths.len()).filter_map(|azimuth| radiances.get(place, cosine, azimuth)));
+            }
+        }
+        row
+    };
+    Ok((seconds, found.iter().map(row).collect()))
 }
 
 /// What follows a word on the command line.

@@ -11,7 +11,7 @@ use super::drivers::twice_emitted;
 use super::gathered::rising;
 use super::plan::Plan;
 use super::ray::{Ray, Segment};
-use crate::lanes::{LaneArray, MAX_LANES, Re};
+use crate::lanes::{LaneArray, MAX_LANES, Re, step};
 
 /// How strongly each layer scatters the beam into each ray, for each azimuth.
 pub(super) struct FirstOrder<'a> {
@@ -103,13 +103,17 @@ fn scattering_cosines(rays: &[Ray], layer: usize, beam: f64, azimuths: &[f64]) -
     let mut cosines = Vec::with_capacity(2 * rays.len() * azimuths.len());
     for ray in rays {
         let cosine = ray.cosines[layer].unwrap_or(1.0);
-        for azimuth in azimuths {
-            let across = ((1.0 - cosine * cosine) * (1.0 - beam * beam)).max(0.0).sqrt() * azimuth.cos();
-            cosines.push((across + cosine * beam).clamp(-1.0, 1.0));
-            cosines.push((across - cosine * beam).clamp(-1.0, 1.0));
+        for same in same_side_cosines(cosine, beam, azimuths) {
+            cosines.extend([same, (same - 2.0 * cosine * beam).clamp(-1.0, 1.0)]);
         }
     }
     cosines
+}
+
+/// For each azimuth, the cosine between a beam and a ray on the same side of the horizontal.
+pub(super) fn same_side_cosines(cosine: f64, beam: f64, azimuths: &[f64]) -> Vec<f64> {
+    let across = ((1.0 - cosine * cosine) * (1.0 - beam * beam)).max(0.0).sqrt();
+    azimuths.iter().map(|azimuth| (across * azimuth.cos() + cosine * beam).clamp(-1.0, 1.0)).collect()
 }
 
 /// Vectors of cosines summed at a time, so that no step waits for the one before.
@@ -118,6 +122,15 @@ const ABREAST: usize = 4;
 /// `sum_l strengths_l P_l` at every cosine.
 #[inline(always)]
 pub(super) fn legendre_series<S: Simd>(simd: S, strengths: &[f64], cosines: &[f64]) -> Vec<f64> {
+    step(
+        simd,
+        #[inline(always)]
+        || sum_of_legendre(simd, strengths, cosines),
+    )
+}
+
+#[inline(always)]
+fn sum_of_legendre<S: Simd>(simd: S, strengths: &[f64], cosines: &[f64]) -> Vec<f64> {
     let (zero, one) = (Re::splat(simd, 0.0), Re::splat(simd, 1.0));
     let mut out = Vec::with_capacity(cosines.len());
     for group in cosines.chunks(ABREAST * S::F64_LANES) {

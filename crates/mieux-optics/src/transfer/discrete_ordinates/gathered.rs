@@ -64,7 +64,11 @@ impl<S: Simd> Receiver<S> {
         extent: Extent<S>,
         [top, bottom]: [&Level<S>; 2],
     ) -> Gathered<S> {
-        step(simd, #[inline(always)] || self.both(simd, modes, drive, extent, [top, bottom]))
+        step(
+            simd,
+            #[inline(always)]
+            || self.both(simd, modes, drive, extent, [top, bottom]),
+        )
     }
 
     #[inline(always)]

@@ -11,6 +11,7 @@ mod depth;
 mod drivers;
 mod first_order;
 mod fluxes;
+mod forward_peak;
 mod gathered;
 mod legendre;
 mod matrix;

@@ -144,7 +144,11 @@ impl<S: Simd> Modes<S> {
     /// `loss` is one minus the albedo.
     #[inline(always)]
     pub fn new(simd: S, table: &Table<S>, strength: Vec<Re<S>>, loss: Re<S>) -> Self {
-        step(simd, #[inline(always)] || Self::find(simd, table, strength, loss))
+        step(
+            simd,
+            #[inline(always)]
+            || Self::find(simd, table, strength, loss),
+        )
     }
 
     #[inline(always)]
@@ -184,7 +188,11 @@ impl<S: Simd> Modes<S> {
     /// p_j / n` over even `j`, and the same of `Y` over odd.
     #[inline(always)]
     pub fn coupling(&self, simd: S, table: &Table<S>, cosine: Re<S>) -> [Vec<Re<S>>; 2] {
-        step(simd, #[inline(always)] || self.couple(simd, table, cosine))
+        step(
+            simd,
+            #[inline(always)]
+            || self.couple(simd, table, cosine),
+        )
     }
 
     #[inline(always)]

@@ -13,6 +13,7 @@ use super::beam::{BeamLine, Thickness};
 use super::drivers::Extent;
 use super::first_order::FirstOrder;
 use super::fluxes::Light;
+use super::forward_peak::{Mending, mending};
 use super::gathered::Receiver;
 use super::plan::Plan;
 use super::ray::{Ends, Followed, Ray, Segment};
@@ -81,6 +82,7 @@ impl WithSimd for Question<'_> {
         let above = plan.media[plan.above].index;
         let mirror = if let Ground::Mirror(share) = plan.stack.ground { share } else { 0.0 };
         let ends = Ends { above: light.above / (above * above), below: orders.below, mirror };
+        let mendings = self.mendings(simd, &rays.list, &bounds);
         let mut values = vec![0.0; views.places.len() * views.cosines.len() * views.azimuths.len()];
         for (number, azimuth) in views.azimuths.iter().enumerate() {
             let waves: Vec<f64> = (0..orders.count).map(|m| (m as f64 * azimuth).cos()).collect();
@@ -90,7 +92,7 @@ impl WithSimd for Question<'_> {
                 let mut segments = Vec::with_capacity(bounds.len());
                 for (layer, bounds) in bounds.iter().enumerate() {
                     let mut list = Vec::with_capacity(bounds.len());
-                    for pair in bounds.windows(2) {
+                    for (cut, pair) in bounds.windows(2).enumerate() {
                         let gathered = gathered.next().unwrap_or(&[]);
                         let Some(cosine) = ray.cosines[layer] else {
                             list.push(Segment::default());
@@ -100,6 +102,10 @@ impl WithSimd for Question<'_> {
                         let (down, up) = gathered.split_at(orders.count);
                         segment.down += down.iter().zip(&waves).map(|(value, wave)| value * wave).sum::<f64>();
                         segment.up += up.iter().zip(&waves).map(|(value, wave)| value * wave).sum::<f64>();
+                        if let Some(mending) = mendings.get(i) {
+                            let at = |bound: usize| mending[layer][bound].get(number).copied().unwrap_or(0.0);
+                            segment.down += at(cut + 1) - segment.fade * at(cut);
+                        }
                         list.push(segment);
                     }
                     segments.push(list);
@@ -151,6 +157,18 @@ impl Question<'_> {
                 std::iter::once(0.0).chain(cuts).chain([layer.thickness]).collect()
             })
             .collect()
+    }
+
+    /// For each ray, if radiance is to be corrected and there is a beam.
+    #[inline(always)]
+    fn mendings<S: Simd>(&self, simd: S, rays: &[Ray], bounds: &[Vec<f64>]) -> Vec<Mending> {
+        let mut mendings = Vec::new();
+        if let Some(beam) = self.beam.filter(|_| self.solver.correct_radiance && self.solver.cut_peak) {
+            for ray in rays {
+                mendings.push(mending(simd, self.plan, beam, ray, bounds, self.views.azimuths));
+            }
+        }
+        mendings
     }
 
     /// How many orders there are: only an oblique beam has more than one, and only as many as the phase functions have

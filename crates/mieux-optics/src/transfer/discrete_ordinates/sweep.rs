@@ -115,7 +115,11 @@ impl<'a, S: Simd> Sweep<'a, S> {
     /// in each lane.
     #[inline(always)]
     pub fn new(simd: S, lanes: &'a Lanes<'a>, drives: &'a [Drive], cuts: &[Vec<Re<S>>]) -> Self {
-        step(simd, #[inline(always)] || Self::ascend(simd, lanes, drives, cuts))
+        step(
+            simd,
+            #[inline(always)]
+            || Self::ascend(simd, lanes, drives, cuts),
+        )
     }
 
     #[inline(always)]
@@ -131,7 +135,11 @@ impl<'a, S: Simd> Sweep<'a, S> {
             let above = if j == 0 { first.above } else { first.layers[j - 1].medium };
             crossings.push(if first.planes[j].resistance.is_some() {
                 let count = tables[above].cosines.len();
-                let crossing = step(simd, #[inline(always)] || cross(simd, lanes, j, count, z, e));
+                let crossing = step(
+                    simd,
+                    #[inline(always)]
+                    || cross(simd, lanes, j, count, z, e),
+                );
                 (z, e) = crossing.seen_from_above(simd);
                 Some(crossing)
             } else {
@@ -142,7 +150,11 @@ impl<'a, S: Simd> Sweep<'a, S> {
                 let mut slice = slice(simd, lanes, j - 1, table, drives, &beams);
                 let whole = lanes.gather(simd, |plan, _| plan.layers[j - 1].thickness);
                 let cuts = &cuts[j - 1];
-                (z, e) = step(simd, #[inline(always)] || slice.climb(simd, whole, cuts, z, e));
+                (z, e) = step(
+                    simd,
+                    #[inline(always)]
+                    || slice.climb(simd, whole, cuts, z, e),
+                );
                 slices.push(slice);
             }
         }
@@ -156,7 +168,11 @@ impl<'a, S: Simd> Sweep<'a, S> {
     /// Back down.
     #[inline(always)]
     pub fn descend(&self) -> Answer<S> {
-        step(self.simd, #[inline(always)] || self.levels())
+        step(
+            self.simd,
+            #[inline(always)]
+            || self.levels(),
+        )
     }
 
     #[inline(always)]
