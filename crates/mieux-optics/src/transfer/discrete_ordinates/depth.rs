@@ -1,7 +1,7 @@
 //! Integrals over the depth of a layer: what an exponential drives in a mode, and what a direction collects of it.
 
 /// How a mode passes through a layer.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Passage {
     /// `exp(-k t)`.
     pub fade: f64,
@@ -119,7 +119,7 @@ const GAUSS_8: [(f64, f64); 8] = [
 ];
 
 /// Integrals of a mode against a source that is linear in depth, divided by `cosh(k t)`.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct LinearOverlap {
     /// Of `cosh(k (t - x))`: `tanh(k t) / k`.
     pub flat: f64,

@@ -89,8 +89,8 @@ impl<S: Simd> BeamDrive<S> {
         lines: &[Option<BeamLine>],
     ) -> Self {
         let (mut down, mut up, mut cosine) = ([0.0; MAX_LANES], [0.0; MAX_LANES], [1.0; MAX_LANES]);
-        for lane in 0..MAX_LANES {
-            let Some(beam) = lines[lane].as_ref().map(|line| line.layers[layer]) else { continue };
+        for (lane, line) in lines.iter().enumerate() {
+            let Some(beam) = line.as_ref().map(|line| line.layers[layer]) else { continue };
             let scale = azimuthal(lanes.orders[lane]) / beam.cosine;
             (down[lane], up[lane], cosine[lane]) = (beam.down * scale, beam.up * scale, beam.cosine);
         }
@@ -111,7 +111,7 @@ impl<S: Simd> BeamDrive<S> {
     fn add(&self, simd: S, modes: &Modes<S>, passages: &[Passages], extent: Extent<S>, own: &mut [Vec<Re<S>>; 2]) {
         let t = extent.thickness.lanes();
         let nu = &self.nu;
-        let fade: LaneArray = std::array::from_fn(|lane| (-nu[lane] * t[lane]).exp());
+        let fade = lanewise(simd, |lane| (-nu[lane] * t[lane]).exp()).lanes();
         let [down, up] = self.at(simd, extent);
         let [even, odd] = &self.coupling;
         for i in 0..modes.k.len() {
@@ -161,7 +161,10 @@ impl<S: Simd> Emission<S> {
         let t = extent.thickness.lanes();
         for (i, share) in self.shares.iter().enumerate() {
             let k = modes.k[i].lanes();
-            let o: [LinearOverlap; MAX_LANES] = std::array::from_fn(|lane| LinearOverlap::new(k[lane], t[lane]));
+            let mut o = [LinearOverlap::default(); MAX_LANES];
+            for (lane, o) in o[..S::F64_LANES].iter_mut().enumerate() {
+                *o = LinearOverlap::new(k[lane], t[lane]);
+            }
             let flat = lanewise(simd, |lane| o[lane].flat);
             let rising = lanewise(simd, |lane| o[lane].rising);
             let steep = lanewise(simd, |lane| o[lane].steep);
@@ -186,7 +189,7 @@ fn azimuthal(order: usize) -> f64 {
 
 /// One number per lane.
 #[inline(always)]
-pub(super) fn lanewise<S: Simd>(simd: S, value: impl Fn(usize) -> f64) -> Re<S> {
+pub(super) fn lanewise<S: Simd>(simd: S, mut value: impl FnMut(usize) -> f64) -> Re<S> {
     let mut lanes = [0.0; MAX_LANES];
     lanes[..S::F64_LANES].iter_mut().enumerate().for_each(|(lane, out)| *out = value(lane));
     Re::load(simd, &lanes)

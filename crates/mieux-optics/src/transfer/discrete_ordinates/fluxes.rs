@@ -8,7 +8,7 @@ use super::beam::{BeamLine, Thickness};
 use super::modes::Table;
 use super::plan::Plan;
 use super::shares::{check_modes, flux};
-use super::sweep::{Drive, Lanes, Level, Sweep};
+use super::sweep::{Drive, Lanes, Level, Sweep, tables};
 use super::views::Cuts;
 use super::{DiscreteOrdinates, check_cosine};
 use crate::lanes::{MAX_LANES, Re};
@@ -89,7 +89,8 @@ impl WithSimd for Question<'_> {
         let Self { plan, light, cuts, streams } = self;
         let lanes = Lanes { plans: [plan; MAX_LANES], orders: [0; MAX_LANES] };
         let drives = [light.drive()];
-        let sweep = Sweep::new(simd, &lanes, &drives, &cuts.scaled(simd, plan));
+        let tables = tables(simd, &lanes);
+        let sweep = Sweep::new(simd, &lanes, &tables, &drives, &cuts.scaled(simd, plan));
         check_modes(&sweep, 1, streams)?;
         let answer = sweep.descend();
         let line = |thickness| light.beam.map(|(cosine, flux)| BeamLine::new(plan, cosine, flux, &thickness));

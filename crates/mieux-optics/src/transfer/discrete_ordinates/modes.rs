@@ -237,32 +237,24 @@ impl<S: Simd> Modes<S> {
 fn remainder<S: Simd>(simd: S, functions: &Matrix<S>, strength: &[Re<S>], parity: usize) -> Matrix<S> {
     let n = functions.rows();
     let (zero, one) = (Re::splat(simd, 0.0), Re::splat(simd, 1.0));
-    let strength = every_other(strength, parity);
-    let mut rows = Matrix { columns: strength.len(), data: Vec::with_capacity(n * strength.len()) };
+    let count = (functions.columns + 1 - parity) / 2;
+    let mut rows = Matrix { columns: count, data: Vec::with_capacity(n * count) };
+    let mut weighted = Matrix { columns: count, data: Vec::with_capacity(n * count) };
     for i in 0..n {
-        rows.data.extend(every_other(functions.row(i), parity));
+        let row = functions.row(i);
+        for j in (parity..functions.columns).step_by(2) {
+            rows.data.push(row[j]);
+            weighted.data.push(row[j] * strength[j]);
+        }
     }
     let mut matrix = Matrix::zeros(simd, n, n);
-    if strength.is_empty() {
-        for i in 0..n {
-            matrix.data[i * n + i] = one;
-        }
-        return matrix;
-    }
     for i in 0..n {
-        let mut weighted = rows.row(i).to_vec();
-        multiply(&mut weighted, &strength);
         for j in 0..=i {
-            let scattered = dot(&weighted, rows.row(j), zero);
+            let scattered = dot(&weighted.data[i * count..][..count], &rows.data[j * count..][..count], zero);
             matrix.data[i * n + j] = if i == j { one - scattered } else { zero - scattered };
         }
     }
     matrix
-}
-
-#[inline(always)]
-fn every_other<S: Simd>(row: &[Re<S>], from: usize) -> Vec<Re<S>> {
-    row.iter().skip(from).step_by(2).copied().collect()
 }
 
 /// The factor with its own diagonal instead of the inverse.

@@ -20,7 +20,7 @@ pub(super) struct Plan<'a> {
     pub planes: Vec<Plane>,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Medium {
     pub index: f64,
     pub streams: Vec<Stream>,

@@ -18,7 +18,7 @@ use super::gathered::Receiver;
 use super::plan::Plan;
 use super::ray::{Ends, Followed, Ray, Segment};
 use super::shares::{check_modes, flux};
-use super::sweep::{Answer, Drive, Lanes, Sweep};
+use super::sweep::{Answer, Drive, Lanes, Sweep, tables};
 use super::views::{Cuts, Place, Radiances, Views};
 use crate::lanes::{MAX_LANES, Re};
 use crate::transfer::{Ground, Stack, TransferError};
@@ -196,7 +196,8 @@ impl Question<'_> {
         for from in (0..total).step_by(abreast) {
             let numbers = std::array::from_fn(|lane| (from + lane % abreast).min(total - 1));
             let lanes = Lanes { plans: [self.plan; MAX_LANES], orders: numbers };
-            let sweep = Sweep::new(simd, &lanes, &drives, &cuts);
+            let tables = tables(simd, &lanes);
+            let sweep = Sweep::new(simd, &lanes, &tables, &drives, &cuts);
             check_modes(&sweep, abreast, self.solver.streams)?;
             let answer = sweep.descend();
             if from == 0 {

@@ -8,8 +8,8 @@ use super::DiscreteOrdinates;
 use super::beam::{BeamLine, Thickness};
 use super::matrix::dot;
 use super::modes::Table;
-use super::plan::{Plan, Shape};
-use super::sweep::{Drive, Lanes, Level, Sweep};
+use super::plan::{Medium, Plan};
+use super::sweep::{Drive, Lanes, Level, Sweep, tables};
 use crate::lanes::{LaneArray, MAX_LANES, Re};
 use crate::transfer::{Ground, Incidence, Shares, Stack, TransferError};
 
@@ -19,23 +19,8 @@ pub(super) fn solve(
     stacks: &[Stack],
     incidences: &[Incidence],
 ) -> Result<Vec<Vec<Shares>>, TransferError> {
-    let plans: Vec<Plan> = stacks.iter().map(|stack| Plan::new(stack, solver.streams, solver.cut_peak)).collect();
     let drives: Vec<Drive> = incidences.iter().map(|incidence| drive(*incidence)).collect();
-    let shapes: Vec<Shape> = plans.iter().map(Plan::shape).collect();
-    let mut out = Vec::with_capacity(stacks.len());
-    let mut first = 0;
-    while first < plans.len() {
-        let alike = shapes[first..].iter().take(MAX_LANES).take_while(|shape| **shape == shapes[first]).count();
-        let found = pulp::Arch::new().dispatch(Group {
-            plans: &plans[first..first + alike],
-            drives: &drives,
-            incidences,
-            solver,
-        })?;
-        out.extend(found);
-        first += alike;
-    }
-    Ok(out)
+    pulp::Arch::new().dispatch(Question { solver, stacks, incidences, drives: &drives })
 }
 
 /// Light of flux 1 onto the horizontal.
@@ -46,47 +31,80 @@ fn drive(incidence: Incidence) -> Drive {
     }
 }
 
-/// Plans of one shape, at most [`MAX_LANES`].
-struct Group<'a> {
-    plans: &'a [Plan<'a>],
-    drives: &'a [Drive],
-    incidences: &'a [Incidence],
+struct Question<'a> {
     solver: &'a DiscreteOrdinates,
+    stacks: &'a [Stack],
+    incidences: &'a [Incidence],
+    drives: &'a [Drive],
 }
 
-impl WithSimd for Group<'_> {
+impl WithSimd for Question<'_> {
     type Output = Result<Vec<Vec<Shares>>, TransferError>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let mut out = Vec::with_capacity(self.plans.len());
-        for plans in self.plans.chunks(S::F64_LANES.min(MAX_LANES)) {
+        let abreast = S::F64_LANES.min(MAX_LANES);
+        let mut out = Vec::with_capacity(self.stacks.len());
+        let mut waiting = self.stacks.iter().map(|stack| Plan::new(stack, self.solver.streams, self.solver.cut_peak));
+        let mut plans: Vec<Plan> = waiting.by_ref().take(abreast).collect();
+        // The wavelengths of a material of constant index share their tables.
+        let mut known: Option<(Vec<Medium>, Vec<Table<S>>)> = None;
+        while let Some(first) = plans.first() {
+            let shape = first.shape();
+            let alike = plans.iter().take_while(|plan| plan.shape() == shape).count();
+            let group = &plans[..alike];
             let lanes =
-                Lanes { plans: std::array::from_fn(|lane| &plans[lane.min(plans.len() - 1)]), orders: [0; MAX_LANES] };
-            let cuts = vec![Vec::new(); plans[0].layers.len()];
-            let sweep = Sweep::new(simd, &lanes, self.drives, &cuts);
-            check_modes(&sweep, plans.len(), self.solver.streams)?;
-            let answer = sweep.descend();
-            let mut found = vec![Vec::with_capacity(self.drives.len()); plans.len()];
-            for (index, incidence) in self.incidences.iter().enumerate() {
-                let [above, below] = [plans[0].above, plans[0].below].map(|medium| &sweep.tables[medium]);
-                let up = flux(simd, above, &answer.above[index], -1.0);
-                let down = flux(simd, above, &answer.above[index], 1.0);
-                let below_down = flux(simd, below, &answer.below[index], 1.0);
-                let below_up = flux(simd, below, &answer.below[index], -1.0);
-                for (lane, plan) in plans.iter().enumerate() {
-                    let line = sweep.beams[index][lane].as_ref();
-                    let flows = Flows {
-                        down: line.map_or(down[lane], |_| 1.0),
-                        up: up[lane],
-                        below: below_down[lane] - below_up[lane],
-                    };
-                    found[lane].push(flows.shares(plan, *incidence, line));
-                }
+                Lanes { plans: std::array::from_fn(|lane| &group[lane.min(alike - 1)]), orders: [0; MAX_LANES] };
+            let (_, tables) = match known.take().filter(|(media, _)| group.iter().all(|plan| plan.media == *media)) {
+                Some(same) => known.insert(same),
+                None => known.insert((first.media.clone(), tables(simd, &lanes))),
+            };
+            let mixed = group.iter().any(|plan| plan.media != first.media);
+            self.answer(simd, &lanes, tables, group, &mut out)?;
+            if mixed {
+                known = None;
             }
-            out.extend(found);
+            plans.drain(..alike);
+            plans.extend(waiting.by_ref().take(alike));
         }
         Ok(out)
+    }
+}
+
+impl Question<'_> {
+    /// For plans of one shape, no more than there are lanes.
+    #[inline(always)]
+    fn answer<S: Simd>(
+        &self,
+        simd: S,
+        lanes: &Lanes,
+        tables: &[Table<S>],
+        plans: &[Plan],
+        out: &mut Vec<Vec<Shares>>,
+    ) -> Result<(), TransferError> {
+        let cuts = vec![Vec::new(); plans[0].layers.len()];
+        let sweep = Sweep::new(simd, lanes, tables, self.drives, &cuts);
+        check_modes(&sweep, plans.len(), self.solver.streams)?;
+        let answer = sweep.descend();
+        let mut found = vec![Vec::with_capacity(self.drives.len()); plans.len()];
+        for (index, incidence) in self.incidences.iter().enumerate() {
+            let [above, below] = [plans[0].above, plans[0].below].map(|medium| &tables[medium]);
+            let up = flux(simd, above, &answer.above[index], -1.0);
+            let down = flux(simd, above, &answer.above[index], 1.0);
+            let below_down = flux(simd, below, &answer.below[index], 1.0);
+            let below_up = flux(simd, below, &answer.below[index], -1.0);
+            for (lane, plan) in plans.iter().enumerate() {
+                let line = sweep.beams[index][lane].as_ref();
+                let flows = Flows {
+                    down: line.map_or(down[lane], |_| 1.0),
+                    up: up[lane],
+                    below: below_down[lane] - below_up[lane],
+                };
+                found[lane].push(flows.shares(plan, *incidence, line));
+            }
+        }
+        out.extend(found);
+        Ok(())
     }
 }
 

@@ -17,7 +17,7 @@ use super::legendre::Orders;
 use super::matrix::{Matrix, add_scaled, apply, apply_add, dot, product, scale, symmetric_product};
 use super::modes::{Modes, Table};
 use super::plan::Plan;
-use crate::lanes::{LaneArray, MAX_LANES, Re, step};
+use crate::lanes::{MAX_LANES, Re, step};
 use crate::transfer::Ground;
 
 /// What drives the light, for one right-hand side.
@@ -48,8 +48,7 @@ pub(super) struct Lanes<'a> {
 impl Lanes<'_> {
     #[inline(always)]
     pub fn gather<S: Simd>(&self, simd: S, mut value: impl FnMut(&Plan, usize) -> f64) -> Re<S> {
-        let lanes: LaneArray = std::array::from_fn(|lane| value(self.plans[lane], self.orders[lane]));
-        Re::load(simd, &lanes)
+        lanewise(simd, |lane| value(self.plans[lane], self.orders[lane]))
     }
 }
 
@@ -102,7 +101,7 @@ pub(super) struct Sweep<'a, S: Simd> {
     pub drives: &'a [Drive],
     /// The beams of each drive and lane.
     pub beams: Vec<Vec<Option<BeamLine>>>,
-    pub tables: Vec<Table<S>>,
+    pub tables: &'a [Table<S>],
     pub slices: Vec<Slice<S>>,
     crossings: Vec<Option<Crossing<S>>>,
     top: Series<S>,
@@ -114,18 +113,23 @@ impl<'a, S: Simd> Sweep<'a, S> {
     /// From the ground up. `cuts` are, for each layer and lane, the scaled depths at which it is cut into pieces: as many
     /// in each lane.
     #[inline(always)]
-    pub fn new(simd: S, lanes: &'a Lanes<'a>, drives: &'a [Drive], cuts: &[Vec<Re<S>>]) -> Self {
+    pub fn new(
+        simd: S,
+        lanes: &'a Lanes<'a>,
+        tables: &'a [Table<S>],
+        drives: &'a [Drive],
+        cuts: &[Vec<Re<S>>],
+    ) -> Self {
         step(
             simd,
             #[inline(always)]
-            || Self::ascend(simd, lanes, drives, cuts),
+            || Self::ascend(simd, lanes, tables, drives, cuts),
         )
     }
 
     #[inline(always)]
-    fn ascend(simd: S, lanes: &'a Lanes<'a>, drives: &'a [Drive], cuts: &[Vec<Re<S>>]) -> Self {
-        let tables = tables(simd, lanes);
-        let beams: Vec<Vec<Option<BeamLine>>> = drives.iter().map(|drive| beam_lines(lanes, drive)).collect();
+    fn ascend(simd: S, lanes: &'a Lanes<'a>, tables: &'a [Table<S>], drives: &'a [Drive], cuts: &[Vec<Re<S>>]) -> Self {
+        let beams: Vec<Vec<Option<BeamLine>>> = drives.iter().map(|drive| beam_lines::<S>(lanes, drive)).collect();
         let first = lanes.plans[0];
         let (mut z, mut e) = ground(simd, lanes, &tables[first.below], drives, &beams);
         let count = first.layers.len();
@@ -215,10 +219,12 @@ impl<'a, S: Simd> Sweep<'a, S> {
         let zero = Re::splat(simd, 0.0);
         let (z, e) = (&self.from_all.0, &self.from_all.1[index]);
         let falling = self.lanes.gather(simd, |plan, m| basic(drive.above, m, plan.media[plan.above].index));
-        let two = Re::splat(simd, 2.0);
-        let mut s: Vec<Re<S>> = (0..z.columns).map(|i| two * falling * table.root_flux(i) - e[i]).collect();
+        let mut s = table.root_fluxes();
+        for (s, e) in s.iter_mut().zip(e) {
+            *s = (falling + falling).mul_add(*s, zero - *e);
+        }
         self.top.divide(simd, &mut s);
-        let d = (0..z.columns).map(|i| dot(z.row(i), &s, zero) + e[i]).collect();
+        let d = apply_add(z, &s, e, zero);
         Level { s, d }
     }
 }
@@ -228,8 +234,18 @@ fn basic(radiance: f64, order: usize, index: f64) -> f64 {
     if order == 0 { radiance / (index * index) } else { 0.0 }
 }
 
+/// The tables of all media of these problems.
 #[inline(always)]
-fn tables<S: Simd>(simd: S, lanes: &Lanes) -> Vec<Table<S>> {
+pub(super) fn tables<S: Simd>(simd: S, lanes: &Lanes) -> Vec<Table<S>> {
+    step(
+        simd,
+        #[inline(always)]
+        || make_tables(simd, lanes),
+    )
+}
+
+#[inline(always)]
+fn make_tables<S: Simd>(simd: S, lanes: &Lanes) -> Vec<Table<S>> {
     let first = lanes.plans[0];
     let least = lanes.orders.iter().min().copied().unwrap_or(0);
     let mut tables = Vec::with_capacity(first.media.len());
@@ -247,9 +263,9 @@ fn tables<S: Simd>(simd: S, lanes: &Lanes) -> Vec<Table<S>> {
     tables
 }
 
-fn beam_lines(lanes: &Lanes, drive: &Drive) -> Vec<Option<BeamLine>> {
+fn beam_lines<S: Simd>(lanes: &Lanes, drive: &Drive) -> Vec<Option<BeamLine>> {
     let line = |plan: &&Plan| drive.beam.map(|(cosine, flux)| BeamLine::new(plan, cosine, flux, &Thickness::Scaled));
-    lanes.plans.iter().map(line).collect()
+    lanes.plans[..S::F64_LANES].iter().map(line).collect()
 }
 
 /// The admittance of the ground, or of the half-space below, and what comes from there.
@@ -351,7 +367,11 @@ impl<S: Simd> Slice<S> {
             let t = thickness.lanes();
             for k in &modes.k {
                 let k = k.lanes();
-                passages.push(std::array::from_fn(|lane| Passage::new(k[lane], t[lane])));
+                let mut passage = [Passage::default(); MAX_LANES];
+                for (lane, passage) in passage[..S::F64_LANES].iter_mut().enumerate() {
+                    *passage = Passage::new(k[lane], t[lane]);
+                }
+                passages.push(passage);
             }
             let extent = Extent { top, thickness, whole };
             let mut own = Vec::with_capacity(self.drives.len());
