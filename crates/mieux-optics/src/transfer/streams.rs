@@ -61,8 +61,8 @@ impl Streams {
 
     /// The streams that travel in a medium of the given index, as it sees them.
     pub fn within(&self, index: f64) -> Vec<Stream> {
-        let travels = |node: &&Node| node.index <= index;
-        self.nodes.iter().take_while(travels).map(|node| node.seen_from(index)).collect()
+        let count = self.nodes.partition_point(|node| node.index <= index);
+        self.nodes[..count].iter().map(|node| node.seen_from(index)).collect()
     }
 }
 

@@ -36,47 +36,45 @@ impl BeamLine {
     /// Of a beam of the given flux that falls onto the top with the given cosine above.
     pub fn new(plan: &Plan, cosine: f64, flux: f64, thickness: &Thickness) -> Self {
         let above = plan.media[plan.above].index;
-        let paths = plan.layers.iter().zip(&plan.stack.layers).map(|(scaled, layer)| {
+        let share = |plane: usize| plan.planes[plane].reflectance(cosine, above);
+        let mut layers = Vec::with_capacity(plan.layers.len());
+        for (scaled, layer) in plan.layers.iter().zip(&plan.stack.layers) {
             let depth = match thickness {
                 Thickness::Scaled => scaled.thickness,
                 Thickness::True => layer.optical_thickness,
             };
             let inside = refracted_cosine(cosine, above, plan.media[scaled.medium].index);
-            inside.map_or((1.0, 0.0), |inside| (inside, (-depth / inside).exp()))
-        });
-        let paths: Vec<(f64, f64)> = paths.collect();
-        let shares: Vec<f64> = plan.planes.iter().map(|plane| plane.reflectance(cosine, above)).collect();
-
-        // What each plane and all below it send back, from the ground up.
-        let mirror = match plan.stack.ground {
+            let (cosine, fade) = inside.map_or((1.0, 0.0), |inside| (inside, (-depth / inside).exp()));
+            layers.push(BeamInLayer { cosine, down: fade, up: 0.0 });
+        }
+        // What each plane and all below it send back, from the ground up; `up` keeps it for the layer above.
+        let mut beyond = match plan.stack.ground {
             Ground::Mirror(share) => share,
             Ground::Black | Ground::Lambertian(_) => 0.0,
         };
-        let mut beyond = vec![mirror; shares.len()];
-        for j in (0..shares.len()).rev() {
-            let here = shares[j] + divided((1.0 - shares[j]).powi(2) * beyond[j], 1.0 - shares[j] * beyond[j]);
-            if j > 0 {
-                beyond[j - 1] = here * paths[j - 1].1.powi(2);
-            } else {
-                return Self::descend(flux, here, &paths, &shares, &beyond);
-            }
+        let mirror = beyond;
+        for (j, layer) in layers.iter_mut().enumerate().rev() {
+            layer.up = Self::through(share(j + 1), beyond);
+            beyond = layer.up * layer.down * layer.down;
         }
-        Self { layers: Vec::new(), reflected: 0.0, on_ground: flux }
+        let reflected = flux * Self::through(share(0), beyond);
+        // And down: `down` was how much a layer lets through.
+        let mut down = flux;
+        for (j, layer) in layers.iter_mut().enumerate() {
+            let (fade, back) = (layer.down, layer.up);
+            let share = share(j);
+            down = divided((1.0 - share) * down, 1.0 - share * back * fade * fade);
+            (layer.down, layer.up) = (down, down * fade * back);
+            down *= fade;
+        }
+        let last = share(layers.len());
+        let on_ground = divided((1.0 - last) * down, 1.0 - last * mirror);
+        Self { layers, reflected, on_ground }
     }
 
-    fn descend(flux: f64, reflectance: f64, paths: &[(f64, f64)], shares: &[f64], beyond: &[f64]) -> Self {
-        let mut down = flux;
-        let mut layers = Vec::with_capacity(paths.len());
-        for (j, (share, beyond)) in shares.iter().zip(beyond).enumerate() {
-            down = divided((1.0 - share) * down, 1.0 - share * beyond);
-            if let Some(&(cosine, fade)) = paths.get(j) {
-                // `beyond` is seen from the top of the layer; what comes up at its bottom faded once less.
-                let up = if fade > 0.0 { down * beyond / fade } else { 0.0 };
-                layers.push(BeamInLayer { cosine, down, up });
-                down *= fade;
-            }
-        }
-        Self { layers, reflected: flux * reflectance, on_ground: down }
+    /// What a plane sends back with what lies beyond it.
+    fn through(share: f64, beyond: f64) -> f64 {
+        share + divided((1.0 - share).powi(2) * beyond, 1.0 - share * beyond)
     }
 }
 

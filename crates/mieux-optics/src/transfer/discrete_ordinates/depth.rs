@@ -56,12 +56,13 @@ pub(super) struct Overlap {
 }
 
 impl Overlap {
-    /// For `k >= 0`, `nu > 0`, `t >= 0`; the passage of the mode and `beam = exp(-nu t)` are what the caller has already.
+    /// For `k >= 0`; the passage of the mode is what the caller has already.
     #[inline]
-    pub fn new(k: f64, nu: f64, t: f64, passage: &Passage, beam: f64) -> Self {
+    pub fn new(k: f64, fall: &Fall, passage: &Passage) -> Self {
         let Passage { fade: mode, sech, resistance } = *passage;
-        if k.max(nu) * t < 0.5 {
-            return Self::thin(k, nu, t);
+        let Fall { nu, thickness: t, fade: beam, .. } = *fall;
+        if k.max(nu) * t < THIN {
+            return Self::thin(k, fall);
         }
         let both = k + nu;
         let along = if both * t > 1.0 { (1.0 - mode * beam) / both } else { fading(both, t) };
@@ -83,28 +84,59 @@ impl Overlap {
     }
 
     /// The integrands are smooth: eight Gauss nodes are exact to rounding.
-    fn thin(k: f64, nu: f64, t: f64) -> Self {
-        let mut sums = [0.0; 4];
-        for (x, weight) in GAUSS_8 {
-            let (x, back) = (0.5 * t * (1.0 + x), 0.5 * t * (1.0 - x));
-            let weight = 0.5 * t * weight * (-nu * x).exp();
-            let ([cosh, sinh], [cosh_back, sinh_back]) = (small_hyperbolic(k, x), small_hyperbolic(k, back));
-            let values = [cosh, sinh, cosh_back, sinh_back];
-            (0..4).for_each(|i| sums[i] += weight * values[i]);
+    fn thin(k: f64, beam: &Fall) -> Self {
+        let t = beam.thickness;
+        let hyperbolic = GAUSS_8.map(|(x, _)| small_hyperbolic(k, 0.5 * t * (1.0 + x)));
+        let [mut cosh, mut sinh, mut cosh_back, mut sinh_back] = [0.0; 4];
+        for (q, weight) in beam.nodes.iter().enumerate() {
+            // The nodes seen from the other end are the nodes in the other order.
+            let ([c, s], [c_back, s_back]) = (hyperbolic[q], hyperbolic[7 - q]);
+            cosh += weight * c;
+            sinh += weight * s;
+            cosh_back += weight * c_back;
+            sinh_back += weight * s_back;
         }
         let scale = 1.0 / small_hyperbolic(k, t)[0];
-        let [cosh, sinh, cosh_back, sinh_back] = sums.map(|sum| sum * scale);
-        Self { cosh, sinh, cosh_back, sinh_back }
+        Self { cosh: cosh * scale, sinh: sinh * scale, cosh_back: cosh_back * scale, sinh_back: sinh_back * scale }
     }
 }
 
+/// How a beam `exp(-nu x)` falls off in a piece of a layer.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Fall {
+    nu: f64,
+    thickness: f64,
+    /// At the far end.
+    fade: f64,
+    /// At the Gauss nodes of a thin piece, with their weights.
+    nodes: [f64; 8],
+}
+
+impl Fall {
+    /// For `nu > 0` and `t >= 0`.
+    pub fn new(nu: f64, t: f64) -> Self {
+        let fade = (-nu * t).exp();
+        let nodes = if nu * t < THIN {
+            GAUSS_8.map(|(x, weight)| 0.5 * t * weight * (-0.5 * nu * t * (1.0 + x)).exp())
+        } else {
+            [0.0; 8]
+        };
+        Self { nu, thickness: t, fade, nodes }
+    }
+}
+
+/// Up to this optical thickness, in a mode's and a beam's own measure, a piece is thin.
+const THIN: f64 = 0.5;
+
 /// `cosh(k x)` and `sinh(k x) / k` for `k x` up to 1/2, by their series.
 fn small_hyperbolic(k: f64, x: f64) -> [f64; 2] {
+    // Factors of neighbouring terms, the last first.
+    const COSH: [f64; 6] =
+        [1.0 / (11.0 * 12.0), 1.0 / (9.0 * 10.0), 1.0 / (7.0 * 8.0), 1.0 / (5.0 * 6.0), 1.0 / (3.0 * 4.0), 0.5];
+    const SINH: [f64; 5] = [1.0 / (10.0 * 11.0), 1.0 / (8.0 * 9.0), 1.0 / (6.0 * 7.0), 1.0 / (4.0 * 5.0), 1.0 / 6.0];
     let y = (k * x).powi(2);
-    let term = |y: f64, rest: f64, a: f64| 1.0 + y * rest / (a * (a + 1.0));
-    let cosh = [11.0, 9.0, 7.0, 5.0, 3.0, 1.0].into_iter().fold(1.0, |rest, a| term(y, rest, a));
-    let sinh = [10.0, 8.0, 6.0, 4.0, 2.0].into_iter().fold(1.0, |rest, a| term(y, rest, a));
-    [cosh, x * sinh]
+    let sum = |factors: &[f64]| factors.iter().fold(1.0, |rest, factor| 1.0 + y * rest * factor);
+    [sum(&COSH), x * sum(&SINH)]
 }
 
 const GAUSS_8: [(f64, f64); 8] = [
@@ -178,7 +210,7 @@ mod tests {
             (1.0, 12.0, 2.0),
             (3.0, 2.5, 0.1),
         ] {
-            let o = Overlap::new(k, nu, t, &Passage::new(k, t), (-nu * t).exp());
+            let o = Overlap::new(k, &Fall::new(nu, t), &Passage::new(k, t));
             let sinhc = |x: f64| if k * x < 1e-6 { x } else { (k * x).sinh() / k };
             let c = (k * t).cosh();
             for (ours, other) in [
@@ -204,7 +236,7 @@ mod tests {
     #[test]
     fn nothing_overflows() {
         for (k, nu, t) in [(1e3, 1.0, 1e6), (0.0, 1.0, 1e6), (1e-4, 1.0, 1e6), (50.0, 1e9, 1e-8), (3.0, 1.0, 0.0)] {
-            let o = Overlap::new(k, nu, t, &Passage::new(k, t), (-nu * t).exp());
+            let o = Overlap::new(k, &Fall::new(nu, t), &Passage::new(k, t));
             let l = LinearOverlap::new(k, t);
             for value in [o.cosh, o.sinh, o.cosh_back, o.sinh_back, l.flat, l.rising, l.steep, Passage::new(k, t).sech]
             {

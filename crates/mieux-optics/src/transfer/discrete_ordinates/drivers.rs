@@ -3,7 +3,7 @@
 use pulp::Simd;
 
 use super::beam::BeamLine;
-use super::depth::{LinearOverlap, Overlap};
+use super::depth::{Fall, LinearOverlap, Overlap};
 use super::matrix::apply;
 use super::modes::{Modes, Table};
 use super::plan::Plan;
@@ -111,14 +111,17 @@ impl<S: Simd> BeamDrive<S> {
     fn add(&self, simd: S, modes: &Modes<S>, passages: &[Passages], extent: Extent<S>, own: &mut [Vec<Re<S>>; 2]) {
         let t = extent.thickness.lanes();
         let nu = &self.nu;
-        let fade = lanewise(simd, |lane| (-nu[lane] * t[lane]).exp()).lanes();
+        let mut falls = [Fall::default(); MAX_LANES];
+        for (lane, fall) in falls[..S::F64_LANES].iter_mut().enumerate() {
+            *fall = Fall::new(nu[lane], t[lane]);
+        }
         let [down, up] = self.at(simd, extent);
         let [even, odd] = &self.coupling;
         for i in 0..modes.k.len() {
             let k = modes.k[i].lanes();
             let mut parts = [[0.0; MAX_LANES]; 4];
             for lane in 0..S::F64_LANES {
-                let o = Overlap::new(k[lane], nu[lane], t[lane], &passages[i][lane], fade[lane]);
+                let o = Overlap::new(k[lane], &falls[lane], &passages[i][lane]);
                 parts[0][lane] = o.cosh;
                 parts[1][lane] = o.sinh;
                 parts[2][lane] = o.cosh_back;
