@@ -9,6 +9,7 @@ use mieux::jobs::{Optics, Render, Stop};
 
 use crate::mie::MieArgs;
 use crate::phase::PhaseArgs;
+use crate::slab::SlabArgs;
 
 /// What a material looks like, from what it is made of.
 #[derive(Parser)]
@@ -35,6 +36,11 @@ pub enum Command {
     Mie(MieArgs),
     /// Compute how scattered light spreads over angle, and compare phase functions
     Phase(PhaseArgs),
+    /// Compute how much light comes back from a slab or layers, passes, and stays
+    ///
+    /// Of a material, wavelength by wavelength, or of an abstract medium: reflectance, transmittance, absorptance, and the
+    /// colours they make.
+    Slab(Box<SlabArgs>),
     /// Print a completion script for a shell
     Completions {
         /// Shell to complete for

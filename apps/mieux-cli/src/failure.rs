@@ -3,7 +3,9 @@
 use std::process::ExitCode;
 
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
+use mieux::io::TextError;
 use mieux::io::recipe::RecipeError;
+use mieux::io::slab_file::SlabFileError;
 use mieux::jobs::JobError;
 
 /// Anything that ends the program early.
@@ -66,7 +68,11 @@ impl Failure {
         let mut diagnostic = MietteDiagnostic::new(error.to_string());
         diagnostic.help = error.help();
         let mut report = Report::new(diagnostic.clone());
-        if let JobError::Recipe(RecipeError::Text(text)) = error.as_ref() {
+        let place: Option<&TextError> = match error.as_ref() {
+            JobError::Recipe(RecipeError::Text(text)) | JobError::SlabFile(SlabFileError::Text(text)) => Some(text),
+            _ => None,
+        };
+        if let Some(text) = place {
             let label = LabeledSpan::new_with_span(Some("here".into()), text.span.clone());
             report = Report::new(diagnostic.with_label(label))
                 .with_source_code(NamedSource::new(&text.name, text.text.clone()).with_language("toml"));

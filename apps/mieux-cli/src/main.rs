@@ -6,6 +6,7 @@ mod mie;
 mod phase;
 mod progress;
 mod show;
+mod slab;
 
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -48,6 +49,14 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
             let format = args.format;
             if let Report::Phase(report) = run_job(&Job::Phase(args.job()?), format == Format::Table)? {
                 phase::show(&report, format)?;
+            }
+        }
+        Command::Slab(args) => {
+            let format = args.format();
+            match run_job(&args.job()?, format == Format::Table)? {
+                Report::Slab(report) => slab::show(&report, format)?,
+                Report::SlabCompare(report) => slab::show_comparison(&report, format)?,
+                _ => {}
             }
         }
         Command::Render(args) => {

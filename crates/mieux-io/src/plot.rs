@@ -1,7 +1,8 @@
 //! Figures: panels of lines with titles, units and legends, as SVG or PNG.
 //!
 //! A [`Panel`] holds [`Series`] of points on a linear or logarithmic axis, a [`Figure`] holds panels in columns.
-//! A [`PolarPanel`] shows a value over the angle from the direction of light. [`optics_figure`] is the figure of a
+//! A [`PolarPanel`] shows a value over the angle from the direction of light. Patches of colour ([`swatch_figure`]) and a bar
+//! of shares stand below the panels, or alone. [`optics_figure`] is the figure of a
 //! material's optical properties; [`efficiency_figure`], [`phase_figure`] and [`polarisation_figure`] show one particle.
 
 mod axis;
@@ -10,24 +11,33 @@ mod mie;
 mod optics;
 mod phase;
 mod polar;
+mod shares;
+mod swatch;
 
 use kuva::plot::line::LineStyle;
 use kuva::plot::{LegendPosition, LinePlot, ScatterPlot};
 use kuva::render::figure::Figure as Drawing;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
+use kuva::render::render::{Scene, TextAnchor};
 
 use axis::Axis;
 pub use mie::{SizePlot, efficiency_figure, phase_figure, polarisation_figure};
 pub use optics::{OpticsPlot, optics_figure, optics_svg};
 pub use phase::comparison_figure;
 pub use polar::PolarPanel;
+use shares::Share;
+use swatch::Swatch;
+pub use swatch::{srgb_bytes, srgb_hex, swatch_figure};
 
 /// Colours that most people tell apart (Okabe and Ito), and dashes for those who do not.
 const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#333333"];
 
 /// Up to so many points, each gets a marker.
 const MARKED_POINTS: usize = 40;
+
+/// What panels have by themselves.
+const FONT: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";
 
 /// Width of a panel with its labels, in units of the drawing.
 const CELL_WIDTH: f64 = 460.0;
@@ -255,12 +265,14 @@ fn literal(text: &str) -> String {
     text.replace('$', "\\$").replace(['\n', '\r'], " ")
 }
 
-/// Panels under a title, from left to right and then down.
+/// Panels under a title, from left to right and then down; below them a bar of shares and patches of colour, if any.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     title: String,
     columns: usize,
     panels: Vec<Pane>,
+    shares: Vec<Share>,
+    swatches: Vec<Swatch>,
 }
 
 /// Anything that takes a place in a figure.
@@ -282,7 +294,13 @@ impl Pane {
 impl Figure {
     /// A figure without panels, with so many columns (0 is taken as 1).
     pub fn new(title: impl Into<String>, columns: usize) -> Self {
-        Self { title: title.into(), columns: columns.max(1), panels: Vec::new() }
+        Self {
+            title: title.into(),
+            columns: columns.max(1),
+            panels: Vec::new(),
+            shares: Vec::new(),
+            swatches: Vec::new(),
+        }
     }
 
     /// Adds a panel.
@@ -297,10 +315,22 @@ impl Figure {
         self
     }
 
+    /// Adds a share (0 to 1) to the bar below the panels.
+    pub fn with_share(mut self, label: impl Into<String>, share: f64) -> Self {
+        self.shares.push(Share { label: label.into(), share });
+        self
+    }
+
+    /// Adds a patch of a colour in linear sRGB below the panels.
+    pub fn with_swatch(mut self, label: impl Into<String>, colour: [f64; 3]) -> Self {
+        self.swatches.push(Swatch { label: label.into(), colour });
+        self
+    }
+
     /// The figure as the text of an SVG file.
     ///
     /// # Errors
-    /// [`PlotError::Empty`] without panels, or when one has no finite point.
+    /// [`PlotError::Empty`] without anything to show, or when one has no finite point.
     pub fn to_svg(&self) -> Result<String, PlotError> {
         Ok(kuva::backend::svg::SvgBackend::new().render_scene(&self.scene()?))
     }
@@ -320,10 +350,34 @@ impl Figure {
             .map_err(|problem| PlotError::Raster { scale, problem })
     }
 
-    fn scene(&self) -> Result<kuva::render::render::Scene, PlotError> {
-        if self.panels.is_empty() {
+    fn scene(&self) -> Result<Scene, PlotError> {
+        let mut scene = if self.panels.is_empty() { self.bare()? } else { self.panel_scene()? };
+        shares::draw_below(&mut scene, &self.shares);
+        swatch::draw_below(&mut scene, &self.swatches);
+        Ok(scene)
+    }
+
+    /// The title alone, over the width that the rest needs.
+    fn bare(&self) -> Result<Scene, PlotError> {
+        if self.shares.is_empty() && self.swatches.is_empty() {
             return Err(PlotError::Empty { title: self.title.clone() });
         }
+        let shares = if self.shares.is_empty() { 0.0 } else { shares::NATURAL_WIDTH };
+        // A title at its smallest.
+        let titled = 0.6 * 9.0 * self.title.chars().count() as f64;
+        let width = swatch::natural_width(&self.swatches).max(shares).max(titled).max(240.0);
+        let mut scene = Scene::new(width, 20.0);
+        scene.font_family = Some(FONT.to_owned());
+        if !self.title.is_empty() {
+            // As in `title_size`.
+            let size = (width / (0.6 * self.title.chars().count() as f64)).clamp(9.0, 18.0);
+            scene.add(swatch::text(0.5 * width, 30.0, &self.title, size as u32, TextAnchor::Middle));
+            scene.height = 48.0;
+        }
+        Ok(scene)
+    }
+
+    fn panel_scene(&self) -> Result<Scene, PlotError> {
         let columns = self.columns.min(self.panels.len());
         let rows = self.panels.len().div_ceil(columns);
         let (mut plots, mut layouts) = (Vec::new(), Vec::new());

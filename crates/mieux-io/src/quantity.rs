@@ -6,6 +6,7 @@
 mod angles;
 mod format;
 mod index;
+mod thickness;
 
 use std::fmt;
 use std::str::FromStr;
@@ -16,6 +17,7 @@ use mieux_optics::spectrum::{SpectrumError, WavelengthGrid};
 pub use angles::Angles;
 pub use format::{format_area, format_complex_index, format_duration, format_length, format_per_length, significant};
 pub use index::RefractiveIndex;
+pub use thickness::{OpticalThickness, Thickness};
 
 /// Units of length and the power of ten that makes metres of them.
 const LENGTH_UNITS: [(&str, i32); 9] = [

@@ -2,6 +2,8 @@
 //!
 //! Source: eq 31 and 32 of `frisvad2007`.
 
+mod moments;
+
 use std::f64::consts::TAU;
 
 use rayon::prelude::*;
@@ -106,19 +108,24 @@ impl Medium {
         // Graded grids are mirrored about 90 degrees; exact mirror images share their work.
         let cosine = |i: usize| if 2 * i > last { -angles[last - i].cos() } else { angles[i].cos() };
         let directions = Directions::new((0..=last).map(|i| if 2 * i == last { 0.0 } else { cosine(i) }));
+        self.sum(members, &directions, angles.len())
+    }
+
+    /// The sum of scattering coefficients times phase functions, in the order of `directions`, of which there are `count`.
+    fn sum(&self, members: &[Member], directions: &Directions, count: usize) -> Result<Vec<f64>, MediumError> {
         let sums: Result<Vec<Vec<f64>>, MediumError> = members
             .par_chunks(BATCH)
             .map(|batch| {
-                let mut sum = vec![0.0; angles.len()];
+                let mut sum = vec![0.0; count];
                 for member in batch {
-                    let phase = member.sphere.coefficients().phase_function(&directions);
+                    let phase = member.sphere.coefficients().phase_function(directions);
                     let phase = phase.map_err(|source| mie_error(&self.inclusions()[member.inclusion], source))?;
                     sum.iter_mut().zip(phase).for_each(|(sum, p)| *sum += member.scattering * p);
                 }
                 Ok(sum)
             })
             .collect();
-        let mut total = vec![0.0; angles.len()];
+        let mut total = vec![0.0; count];
         for sum in sums? {
             total.iter_mut().zip(sum).for_each(|(total, s)| *total += s);
         }

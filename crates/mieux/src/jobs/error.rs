@@ -7,12 +7,17 @@ use mieux_io::plot::PlotError;
 use mieux_io::quantity::{Length, QuantityError};
 use mieux_io::recipe::RecipeError;
 use mieux_io::rows::RowsError;
+use mieux_io::slab_file::SlabFileError;
 use mieux_io::table::TableError;
 use mieux_optics::medium::MediumError;
 use mieux_optics::mie::MieError;
 use mieux_optics::phase::PhaseError;
 use mieux_optics::spectrum::SpectrumError;
+use mieux_optics::transfer::TransferError;
+use mieux_render::detector::slab::SlabWalkError;
 use mieux_render::render::RenderError;
+
+use super::SlabError;
 
 /// Why a job did not get to its end.
 #[derive(Debug, thiserror::Error)]
@@ -52,6 +57,18 @@ pub enum JobError {
     /// A table too long for memory.
     #[error(transparent)]
     Rows(#[from] RowsError),
+    /// Layers that cannot be, or cannot be solved.
+    #[error(transparent)]
+    Transfer(#[from] TransferError),
+    /// Photons that cannot be sent.
+    #[error(transparent)]
+    SlabWalk(#[from] SlabWalkError),
+    /// A file of layers or with a phase function.
+    #[error(transparent)]
+    SlabFile(#[from] SlabFileError),
+    /// Settings of a slab that do not go together.
+    #[error(transparent)]
+    Slab(#[from] SlabError),
     /// A setting that none of the materials of a scene has.
     #[error("no material of the scene {scene} has an input `{input}`")]
     NoSuchInput {
@@ -123,7 +140,7 @@ impl JobError {
                 Some(help.clone())
             }
             Self::Rows(RowsError::Missing { help, .. }) => Some(help.clone()),
-            Self::Recipe(RecipeError::Text(error)) => error.help.clone(),
+            Self::Recipe(RecipeError::Text(error)) | Self::SlabFile(SlabFileError::Text(error)) => error.help.clone(),
             Self::Checkpoint(CheckpointError::Read { .. }) => Some("leave out `--resume` to begin anew".into()),
             Self::Checkpoint(_) => Some("leave out `--resume` to begin anew, or give another folder with `-o`".into()),
             _ => None,

@@ -13,6 +13,10 @@ pub enum Stage {
     Spheres,
     /// Computing phase functions; counted in functions.
     Phase,
+    /// Solving slabs; counted in slabs and wavelengths.
+    Slabs,
+    /// Following photons through slabs; counted in photons.
+    Photons,
     /// Writing files; counted in files.
     Write,
 }

@@ -9,6 +9,7 @@ mod optics;
 mod phase;
 mod render;
 mod sheet;
+mod slab;
 
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +20,10 @@ pub use optics::{Optics, OpticsReport};
 pub use phase::{Comparand, Compared, FitKind, Named, Phase, PhaseModel, PhaseReport, PhaseSheet};
 pub use render::{Render, RenderReport, Stop};
 pub use sheet::{Made, OpticsSheet};
+pub use slab::{
+    Answer, Backing, Case, Patch, PhaseName, Sample, Slab, SlabCompare, SlabCompareReport, SlabCompareSheet, SlabError,
+    SlabLight, SlabReport, SlabSheet, Solver, Trial,
+};
 
 /// Everything `mieux` can be asked to do.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -34,6 +39,10 @@ pub enum Job {
     MieBatch(MieBatch),
     /// How scattered light spreads over angle.
     Phase(Phase),
+    /// Light onto layers.
+    Slab(Slab),
+    /// Light onto layers, by every solver.
+    SlabCompare(SlabCompare),
 }
 
 /// What a job leaves besides its files.
@@ -49,6 +58,10 @@ pub enum Report {
     MieBatch(Box<MieBatchReport>),
     /// Of [`Job::Phase`].
     Phase(Box<PhaseReport>),
+    /// Of [`Job::Slab`].
+    Slab(Box<SlabReport>),
+    /// Of [`Job::SlabCompare`].
+    SlabCompare(Box<SlabCompareReport>),
 }
 
 impl Job {
@@ -63,6 +76,8 @@ impl Job {
             Self::Mie(job) => job.run(context).map(|report| Report::Mie(Box::new(report))),
             Self::MieBatch(job) => job.run(context).map(|report| Report::MieBatch(Box::new(report))),
             Self::Phase(job) => job.run(context).map(|report| Report::Phase(Box::new(report))),
+            Self::Slab(job) => job.run(context).map(|report| Report::Slab(Box::new(report))),
+            Self::SlabCompare(job) => job.run(context).map(|report| Report::SlabCompare(Box::new(report))),
         }
     }
 }

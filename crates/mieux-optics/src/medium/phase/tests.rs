@@ -8,10 +8,10 @@ use crate::particle::{LogNormal, SizeDistribution, Weighting};
 use crate::phase::{Rayleigh, compare};
 use crate::substance::Substance;
 
-const GREEN: f64 = 550e-9;
-const AIR: Substance = Substance::Constant(Complex64::new(1.0, 0.0));
+pub(super) const GREEN: f64 = 550e-9;
+pub(super) const AIR: Substance = Substance::Constant(Complex64::new(1.0, 0.0));
 
-fn milk(fat: f64, protein: f64) -> Medium {
+pub(super) fn milk(fat: f64, protein: f64) -> Medium {
     Milk::new([fat, protein, 20.0, 0.17]).unwrap().medium().unwrap()
 }
 
@@ -24,7 +24,7 @@ fn droplets(sizes: SizeDistribution) -> Medium {
     Medium::new(AIR, vec![droplets]).unwrap()
 }
 
-fn droplet(diameter_m: f64) -> Medium {
+pub(super) fn droplet(diameter_m: f64) -> Medium {
     droplets(SizeDistribution::monodisperse(0.5 * diameter_m).unwrap())
 }
 
