@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use super::sphere::{Sphere, scatter_spheres};
+use super::sphere::{CHUNK, Sphere, scatter_spheres};
 use super::wave::{PlaneWave, SphereScattering};
 use super::{MieError, ScatteringDefinition};
 
@@ -64,7 +64,7 @@ pub enum PopulationError {
 }
 
 /// Spheres that go to one thread at a time; fixed, so that results do not depend on the number of threads.
-const BATCH: usize = 2048;
+const BATCH: usize = CHUNK;
 
 impl Population<'_> {
     /// Scattering by every sphere, on all threads of the current pool of rayon; the same bits on any number of them.

@@ -6,13 +6,13 @@ use num_complex::Complex64;
 use pulp::{Simd, WithSimd};
 
 use super::coefficients::{Coefficients, Keep};
-use super::downward::{Scratch, downward};
+use super::downward::{self, downward};
 use super::elementary::NARROW;
 use super::host::{Absorbing, Lossless, Opaque};
 use super::kernel::{Group, Sink};
 use super::recurrence::{abreast, series_order, start_order, top_order};
 use super::sums::Sums;
-use super::upward::upward;
+use super::upward::{self, upward};
 use super::wave::{PlaneWave, SphereScattering, check_index, check_length, check_size_parameters};
 use super::weights::Weights;
 use super::{MieError, SphereError};
@@ -80,7 +80,7 @@ pub fn scatter_sphere(
 }
 
 /// Spheres sorted at a time: what they need stays in the cache.
-const CHUNK: usize = 2048;
+pub(super) const CHUNK: usize = 512;
 
 /// How a sphere's series is summed; spheres of one class go abreast. Small ones first, as input often comes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -224,13 +224,20 @@ impl WithSimd for ScatterSpheres<'_> {
 pub(super) struct Series<S: Simd> {
     simd: S,
     weights: Weights,
-    real: Scratch<S, Re<S>>,
-    complex: Scratch<S, Cx<S>>,
+    up: upward::Scratch<S>,
+    real: downward::Scratch<S, Re<S>>,
+    complex: downward::Scratch<S, Cx<S>>,
 }
 
 impl<S: Simd> Series<S> {
     pub fn new(simd: S) -> Self {
-        Self { simd, weights: Weights::new(), real: Scratch::new(), complex: Scratch::new() }
+        Self {
+            simd,
+            weights: Weights::new(),
+            up: upward::Scratch::new(),
+            real: downward::Scratch::new(),
+            complex: downward::Scratch::new(),
+        }
     }
 
     /// Scattering by those of the spheres that are members, all of one class.
@@ -270,11 +277,11 @@ impl<S: Simd> Series<S> {
 
     #[inline(always)]
     pub fn run<O: Sink<S>>(&mut self, class: Class, group: &Group, sink: &mut O) {
-        let Self { simd, weights, real, complex } = self;
+        let Self { simd, weights, up, real, complex } = self;
         match class {
-            Class::LosslessUp => upward::<S, Lossless>(*simd, group, weights, sink),
+            Class::LosslessUp => upward::<S, Lossless>(*simd, group, weights, up, sink),
             Class::LosslessDown => downward::<S, Lossless, O>(*simd, group, weights, real, sink),
-            Class::AbsorbingUp => upward::<S, Absorbing>(*simd, group, weights, sink),
+            Class::AbsorbingUp => upward::<S, Absorbing>(*simd, group, weights, up, sink),
             Class::AbsorbingDown => downward::<S, Absorbing, O>(*simd, group, weights, complex, sink),
             Class::Opaque => downward::<S, Opaque, O>(*simd, group, weights, complex, sink),
         }
