@@ -118,6 +118,7 @@ struct Member {
 }
 
 impl Member {
+    #[inline(always)]
     fn new(index: usize, sphere: &Sphere) -> Self {
         let (x, y) = sphere.size_parameters();
         let square = x.norm_sqr();
@@ -134,12 +135,15 @@ impl Member {
         Self { class, index: index as u32, size: square.sqrt() }
     }
 
+    #[inline(always)]
     fn order(&self, other: &Self) -> Ordering {
         self.class.cmp(&other.class).then(self.size.total_cmp(&other.size))
     }
 }
 
-fn group(spheres: &[Sphere], members: &[Member]) -> Group {
+/// Members that go abreast in registers of `width` lanes; the last fills what they leave.
+#[inline(always)]
+fn group(spheres: &[Sphere], members: &[Member], width: usize) -> Group {
     let mut group = Group {
         k0r: [0.0; MAX_LANES],
         host_re: [0.0; MAX_LANES],
@@ -150,7 +154,7 @@ fn group(spheres: &[Sphere], members: &[Member]) -> Group {
         start: [0; 2],
         smallest: f64::INFINITY,
     };
-    for lane in 0..MAX_LANES {
+    for lane in 0..width {
         let sphere = &spheres[members[lane.min(members.len() - 1)].index as usize];
         group.k0r[lane] = sphere.k0r;
         group.host_re[lane] = sphere.wave.host().re;
@@ -254,7 +258,7 @@ impl<S: Simd> Series<S> {
             let sizes: [f64; MAX_LANES] = std::array::from_fn(|i| rest[i.min(rest.len() - 1)].size);
             let (members, others) = rest.split_at(abreast(S::F64_LANES.min(rest.len()), &sizes));
             rest = others;
-            let group = group(spheres, members);
+            let group = group(spheres, members, S::F64_LANES);
             let sums = if class.scaled() {
                 let mut sums = Sums::<S, true>::new(self.simd);
                 self.run(class, &group, &mut sums);
@@ -267,9 +271,14 @@ impl<S: Simd> Series<S> {
             for (lane, member) in members.iter().enumerate() {
                 let index = member.index as usize;
                 let Sphere { wave, k0r, .. } = &spheres[index];
-                out[index] = wave
-                    .cross_sections(*k0r, &sums.lane(lane), class.scaled())
-                    .map_err(|source| SphereError { index, source })?;
+                let sums = sums.lane(lane);
+                // Each by itself, or the result would go through memory as what may have failed.
+                if class.scaled() {
+                    out[index] =
+                        wave.scaled_cross_sections(*k0r, &sums).map_err(|source| SphereError { index, source })?;
+                } else {
+                    out[index] = wave.plain_cross_sections(*k0r, &sums);
+                }
             }
         }
         Ok(())
@@ -291,7 +300,7 @@ impl<S: Simd> Series<S> {
 /// The class of one sphere by itself, and the group that it makes in a class.
 pub(super) fn single(sphere: &Sphere) -> (Class, impl Fn(Class) -> Group) {
     let member = Member::new(0, sphere);
-    let of = move |class| group(std::slice::from_ref(sphere), &[Member { class, ..member }]);
+    let of = move |class| group(std::slice::from_ref(sphere), &[Member { class, ..member }], MAX_LANES);
     (member.class, of)
 }
 

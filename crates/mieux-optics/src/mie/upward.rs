@@ -51,9 +51,11 @@ pub(super) fn upward<S: Simd, H: Host<S>>(
     let constants = Constants::<S, H>::new(simd, group);
     let Start { mut psi, mut chi, mut p, b } = Start::new(&constants);
     let Scratch { parts, terms } = scratch;
-    parts.resize(BLOCK + 2, Parts { a: b[0], b: b[0] });
-    let (zero, none) = (constants.real(0.0), Cx { re: constants.real(0.0), im: constants.real(0.0) });
-    terms.resize(BLOCK, Term { a: none, b: none, square: zero, loss: zero });
+    if parts.is_empty() {
+        let (zero, none) = (constants.real(0.0), Cx { re: constants.real(0.0), im: constants.real(0.0) });
+        parts.resize(BLOCK + 2, Parts { a: b[0], b: b[0] });
+        terms.resize(BLOCK, Term { a: none, b: none, square: zero, loss: zero });
+    }
     // A whole array, so that its bounds are known.
     let Some(parts) = parts.first_chunk_mut::<{ BLOCK + 2 }>() else { return };
     (parts[0].b, parts[1].b) = (b[0], b[1]);
