@@ -185,6 +185,22 @@ mod tests {
         }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         assert_eq!(all, pool.install(|| population.scatter().unwrap()));
+        let mut again = Population {
+            radii: &radii[..1200],
+            wavelengths: &[500e-9],
+            host: &indices[..1],
+            particle: &indices[2..3],
+            ..population
+        }
+        .scatter()
+        .unwrap();
+        population.scatter_into(&mut again).unwrap();
+        assert_eq!(all, again);
+    }
+
+    #[test]
+    fn batches_are_whole_wavelengths_or_even_parts_of_one() {
+        assert_eq!([1, 7, CHUNK, CHUNK + 1, 1000, 0].map(batch_length), [512, 511, 512, 257, 500, 512]);
     }
 
     #[test]
