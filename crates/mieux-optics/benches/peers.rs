@@ -10,7 +10,8 @@ use std::hint::black_box;
 
 use mieux_optics::Complex64;
 use mieux_optics::mie::{
-    Directions, Layer, LayeredSphere, PlaneWave, Population, ScatteringDefinition, Sphere, scatter_layered_spheres,
+    Directions, Layer, LayeredSphere, PlaneWave, Population, PopulationScattering, ScatteringDefinition, Sphere,
+    scatter_layered_spheres,
 };
 use rustix::time::{ClockId, clock_gettime};
 
@@ -36,8 +37,8 @@ fn vacuum() -> PlaneWave {
 
 /// What a workload makes, with what its checksum needs.
 enum Made<'a> {
-    /// Radii, extinction and scattering cross sections.
-    CrossSections(&'a [f64], Vec<f64>, Vec<f64>),
+    /// Radii, and what spheres of them do.
+    CrossSections(&'a [f64], PopulationScattering),
     /// The sum of squared moduli of amplitudes, and of how many spheres.
     Amplitudes(usize, f64),
 }
@@ -47,31 +48,38 @@ impl Made<'_> {
     /// to do the same.
     fn checksum(&self) -> (usize, f64) {
         match self {
-            Self::CrossSections(radii, extinction, scattering) => {
-                let both = extinction.iter().zip(scattering).enumerate();
-                (extinction.len(), both.map(|(i, (e, s))| (e + s) / (PI * radii[i % radii.len()].powi(2))).sum())
+            Self::CrossSections(radii, all) => {
+                let both = all.extinction.iter().zip(&all.scattering).enumerate();
+                (all.extinction.len(), both.map(|(i, (e, s))| (e + s) / (PI * radii[i % radii.len()].powi(2))).sum())
             }
             Self::Amplitudes(spheres, sum) => (*spheres, *sum),
         }
     }
 }
 
-fn population<'a>(radii: &'a [f64], wavelengths: &[f64], host: &[Complex64], particle: &[Complex64]) -> Made<'a> {
+/// A population, into the memory of results had before.
+fn population<'a>(
+    mut all: PopulationScattering,
+    radii: &'a [f64],
+    wavelengths: &[f64],
+    host: &[Complex64],
+    particle: &[Complex64],
+) -> Made<'a> {
     let definition = ScatteringDefinition::default();
-    let all = Population { radii, wavelengths, host, particle, definition }.scatter().expect("computed");
-    Made::CrossSections(radii, all.extinction, all.scattering)
+    Population { radii, wavelengths, host, particle, definition }.scatter_into(&mut all).expect("computed");
+    Made::CrossSections(radii, all)
 }
 
-fn spheres(sizes: &[f64]) -> Made<'_> {
-    population(sizes, &[2.0 * PI], &[c(1.0, 0.0)], &[c(1.5, 0.01)])
+fn spheres(all: PopulationScattering, sizes: &[f64]) -> Made<'_> {
+    population(all, sizes, &[2.0 * PI], &[c(1.0, 0.0)], &[c(1.5, 0.01)])
 }
 
 /// Radii by wavelengths, in a host with imaginary index `host_im`.
-fn table(radii: &[f64], host_im: f64) -> Made<'_> {
+fn table(all: PopulationScattering, radii: &[f64], host_im: f64) -> Made<'_> {
     let nm: [f64; 17] = std::array::from_fn(|i| 380.0 + 25.0 * i as f64);
     let host = nm.map(|nm| c(1.32 + 3100.0 / (nm * nm), host_im));
     let particle = nm.map(|nm| c(1.45 + 4000.0 / (nm * nm), 1e-6));
-    population(radii, &nm.map(|nm| nm * 1e-9), &host, &particle)
+    population(all, radii, &nm.map(|nm| nm * 1e-9), &host, &particle)
 }
 
 fn amplitudes(sizes: &[f64]) -> Made<'_> {
@@ -99,21 +107,26 @@ fn layers(sizes: &[f64], count: usize) -> Made<'_> {
     let spheres: Vec<LayeredSphere> = sizes.iter().map(sphere).collect();
     let mut out = Vec::new();
     scatter_layered_spheres(&spheres, &mut out).expect("computed");
-    let (extinction, scattering): (Vec<f64>, Vec<f64>) = out.iter().map(|s| (s.extinction, s.scattering)).unzip();
-    Made::CrossSections(sizes, extinction, scattering)
+    let (extinction, scattering) = out.iter().map(|s| (s.extinction, s.scattering)).unzip();
+    Made::CrossSections(sizes, PopulationScattering { extinction, scattering, ..Default::default() })
 }
 
-type Work<'a> = dyn Fn() -> Made<'a> + 'a;
+/// Takes the memory of results had before.
+type Work<'a> = dyn Fn(PopulationScattering) -> Made<'a> + 'a;
 
 fn time(name: &str, work: &Work) {
-    let (mut best, mut made) = (f64::INFINITY, None);
+    let (mut best, mut memory, mut sums) = (f64::INFINITY, PopulationScattering::default(), (0, 0.0));
     for _ in 0..9 {
-        drop(made.take());
         let start = cpu_seconds();
-        made = Some(black_box(work()));
+        let made = black_box(work(memory));
         best = best.min(cpu_seconds() - start);
+        sums = made.checksum();
+        memory = match made {
+            Made::CrossSections(_, all) => all,
+            Made::Amplitudes(..) => PopulationScattering::default(),
+        };
     }
-    let (spheres, checksum) = made.map_or((0, 0.0), |made| made.checksum());
+    let (spheres, checksum) = sums;
     println!(
         "{{\"workload\": \"{name}\", \"spheres\": {spheres}, \"cpu_seconds\": {best:e}, \"checksum\": {checksum:.12e}}}"
     );
@@ -126,15 +139,15 @@ fn main() {
     let radii = log_spaced(1e-8, 1e-5, 1000);
     let (few, some) = (log_spaced(1.0, 100.0, 1000), log_spaced(1.0, 100.0, 10_000));
     let workloads: [(&str, &Work); 9] = [
-        ("spheres-100", &|| spheres(&hundred)),
-        ("spheres-1000", &|| spheres(&thousand)),
-        ("table-lossless", &|| table(&radii, 0.0)),
-        ("table-absorbing", &|| table(&radii, 1e-6)),
-        ("single-1e5", &|| spheres(&[1e5])),
-        ("single-1e6", &|| spheres(&[1e6])),
-        ("amplitudes", &|| amplitudes(&few)),
-        ("layers-2", &|| layers(&some, 2)),
-        ("layers-10", &|| layers(&some, 10)),
+        ("spheres-100", &|all| spheres(all, &hundred)),
+        ("spheres-1000", &|all| spheres(all, &thousand)),
+        ("table-lossless", &|all| table(all, &radii, 0.0)),
+        ("table-absorbing", &|all| table(all, &radii, 1e-6)),
+        ("single-1e5", &|all| spheres(all, &[1e5])),
+        ("single-1e6", &|all| spheres(all, &[1e6])),
+        ("amplitudes", &|_| amplitudes(&few)),
+        ("layers-2", &|_| layers(&some, 2)),
+        ("layers-10", &|_| layers(&some, 10)),
     ];
     for (name, work) in workloads {
         if wanted.is_empty() || wanted.iter().any(|w| w == name) {

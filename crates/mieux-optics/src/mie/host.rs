@@ -40,12 +40,8 @@ impl<S: Simd> Fraction<S> {
     #[inline(always)]
     pub fn new(loss: Re<S>, numerator: Cx<S>, second: Cx<S>) -> Self {
         let square = numerator.norm_sqr();
-        Self {
-            over: Cx { re: square + loss, im: numerator.dot(second) },
-            square,
-            loss,
-            below: loss.mul_add(loss.same(2.0), second.dot_add(second, square)),
-        }
+        let over = Cx { re: square + loss, im: numerator.dot(second) };
+        Self { over, square, loss, below: second.dot_add(second, loss) + over.re }
     }
 }
 

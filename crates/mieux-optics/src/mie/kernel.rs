@@ -19,7 +19,11 @@ use super::weights::Weight;
 use crate::lanes::{Cx, LaneArray, Re, Wave};
 
 /// Spheres abreast, in the numbers that the series is made of.
+///
+/// Aligned as registers are, and with it the stack where the series runs: registers that are put by there would else
+/// straddle lines of the cache.
 #[derive(Clone, Copy)]
+#[repr(C, align(64))]
 pub(super) struct Group {
     /// Vacuum wave number times radius.
     pub k0r: LaneArray,

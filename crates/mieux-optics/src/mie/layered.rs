@@ -40,7 +40,8 @@ pub(super) struct LayerGroup {
     pub start: [usize; 2],
 }
 
-/// Layered spheres abreast, all of as many layers.
+/// Layered spheres abreast, all of as many layers. Aligned for the same reason as [`Group`](super::kernel::Group).
+#[repr(align(64))]
 pub(super) struct LayeredGroup {
     pub host_re: LaneArray,
     pub host_im: LaneArray,

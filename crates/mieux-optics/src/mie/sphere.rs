@@ -6,13 +6,13 @@ use num_complex::Complex64;
 use pulp::{Simd, WithSimd};
 
 use super::coefficients::{Coefficients, Keep};
-use super::downward::{Scratch, downward};
+use super::downward::{self, downward};
 use super::elementary::NARROW;
 use super::host::{Absorbing, Lossless, Opaque};
 use super::kernel::{Group, Sink};
 use super::recurrence::{abreast, series_order, start_order, top_order};
 use super::sums::Sums;
-use super::upward::upward;
+use super::upward::{self, upward};
 use super::wave::{PlaneWave, SphereScattering, check_index, check_length, check_size_parameters};
 use super::weights::Weights;
 use super::{MieError, SphereError};
@@ -80,7 +80,7 @@ pub fn scatter_sphere(
 }
 
 /// Spheres sorted at a time: what they need stays in the cache.
-const CHUNK: usize = 2048;
+pub(super) const CHUNK: usize = 512;
 
 /// How a sphere's series is summed; spheres of one class go abreast. Small ones first, as input often comes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -118,6 +118,7 @@ struct Member {
 }
 
 impl Member {
+    #[inline(always)]
     fn new(index: usize, sphere: &Sphere) -> Self {
         let (x, y) = sphere.size_parameters();
         let square = x.norm_sqr();
@@ -134,12 +135,15 @@ impl Member {
         Self { class, index: index as u32, size: square.sqrt() }
     }
 
+    #[inline(always)]
     fn order(&self, other: &Self) -> Ordering {
         self.class.cmp(&other.class).then(self.size.total_cmp(&other.size))
     }
 }
 
-fn group(spheres: &[Sphere], members: &[Member]) -> Group {
+/// Members that go abreast in registers of `width` lanes; the last fills what they leave.
+#[inline(always)]
+fn group(spheres: &[Sphere], members: &[Member], width: usize) -> Group {
     let mut group = Group {
         k0r: [0.0; MAX_LANES],
         host_re: [0.0; MAX_LANES],
@@ -150,7 +154,7 @@ fn group(spheres: &[Sphere], members: &[Member]) -> Group {
         start: [0; 2],
         smallest: f64::INFINITY,
     };
-    for lane in 0..MAX_LANES {
+    for lane in 0..width {
         let sphere = &spheres[members[lane.min(members.len() - 1)].index as usize];
         group.k0r[lane] = sphere.k0r;
         group.host_re[lane] = sphere.wave.host().re;
@@ -224,13 +228,20 @@ impl WithSimd for ScatterSpheres<'_> {
 pub(super) struct Series<S: Simd> {
     simd: S,
     weights: Weights,
-    real: Scratch<S, Re<S>>,
-    complex: Scratch<S, Cx<S>>,
+    up: upward::Scratch<S>,
+    real: downward::Scratch<S, Re<S>>,
+    complex: downward::Scratch<S, Cx<S>>,
 }
 
 impl<S: Simd> Series<S> {
     pub fn new(simd: S) -> Self {
-        Self { simd, weights: Weights::new(), real: Scratch::new(), complex: Scratch::new() }
+        Self {
+            simd,
+            weights: Weights::new(),
+            up: upward::Scratch::new(),
+            real: downward::Scratch::new(),
+            complex: downward::Scratch::new(),
+        }
     }
 
     /// Scattering by those of the spheres that are members, all of one class.
@@ -247,7 +258,7 @@ impl<S: Simd> Series<S> {
             let sizes: [f64; MAX_LANES] = std::array::from_fn(|i| rest[i.min(rest.len() - 1)].size);
             let (members, others) = rest.split_at(abreast(S::F64_LANES.min(rest.len()), &sizes));
             rest = others;
-            let group = group(spheres, members);
+            let group = group(spheres, members, S::F64_LANES);
             let sums = if class.scaled() {
                 let mut sums = Sums::<S, true>::new(self.simd);
                 self.run(class, &group, &mut sums);
@@ -260,9 +271,14 @@ impl<S: Simd> Series<S> {
             for (lane, member) in members.iter().enumerate() {
                 let index = member.index as usize;
                 let Sphere { wave, k0r, .. } = &spheres[index];
-                out[index] = wave
-                    .cross_sections(*k0r, &sums.lane(lane), class.scaled())
-                    .map_err(|source| SphereError { index, source })?;
+                let sums = sums.lane(lane);
+                // Each by itself, or the result would go through memory as what may have failed.
+                if class.scaled() {
+                    out[index] =
+                        wave.scaled_cross_sections(*k0r, &sums).map_err(|source| SphereError { index, source })?;
+                } else {
+                    out[index] = wave.plain_cross_sections(*k0r, &sums);
+                }
             }
         }
         Ok(())
@@ -270,11 +286,11 @@ impl<S: Simd> Series<S> {
 
     #[inline(always)]
     pub fn run<O: Sink<S>>(&mut self, class: Class, group: &Group, sink: &mut O) {
-        let Self { simd, weights, real, complex } = self;
+        let Self { simd, weights, up, real, complex } = self;
         match class {
-            Class::LosslessUp => upward::<S, Lossless>(*simd, group, weights, sink),
+            Class::LosslessUp => upward::<S, Lossless>(*simd, group, weights, up, sink),
             Class::LosslessDown => downward::<S, Lossless, O>(*simd, group, weights, real, sink),
-            Class::AbsorbingUp => upward::<S, Absorbing>(*simd, group, weights, sink),
+            Class::AbsorbingUp => upward::<S, Absorbing>(*simd, group, weights, up, sink),
             Class::AbsorbingDown => downward::<S, Absorbing, O>(*simd, group, weights, complex, sink),
             Class::Opaque => downward::<S, Opaque, O>(*simd, group, weights, complex, sink),
         }
@@ -284,7 +300,7 @@ impl<S: Simd> Series<S> {
 /// The class of one sphere by itself, and the group that it makes in a class.
 pub(super) fn single(sphere: &Sphere) -> (Class, impl Fn(Class) -> Group) {
     let member = Member::new(0, sphere);
-    let of = move |class| group(std::slice::from_ref(sphere), &[Member { class, ..member }]);
+    let of = move |class| group(std::slice::from_ref(sphere), &[Member { class, ..member }], MAX_LANES);
     (member.class, of)
 }
 

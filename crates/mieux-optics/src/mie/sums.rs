@@ -13,10 +13,12 @@ pub(super) struct Sums<S: Simd, const SCALED: bool> {
     size: Re<S>,
     scattering: Re<S>,
     loss: Re<S>,
-    asymmetry: Re<S>,
+    /// The parts of the asymmetry, of orders with the one before and of both coefficients of one order.
+    neighbours: Re<S>,
+    pairs: Re<S>,
     previous: (Cx<S>, Cx<S>),
     /// What earlier runs of orders added up to, so that rounding grows with the length of a run only.
-    earlier: [Re<S>; 6],
+    earlier: [Re<S>; 7],
 }
 
 /// The sums of one sphere.
@@ -54,23 +56,24 @@ impl<S: Simd, const SCALED: bool> Sums<S, SCALED> {
             size: zero,
             scattering: zero,
             loss: zero,
-            asymmetry: zero,
+            neighbours: zero,
+            pairs: zero,
             previous: (z, z),
-            earlier: [zero; 6],
+            earlier: [zero; 7],
         }
     }
 
     #[inline(always)]
     pub fn finish(mut self) -> GroupSums {
         self.pause();
-        let [forward_re, forward_im, size, scattering, loss, asymmetry] = self.earlier;
+        let [forward_re, forward_im, size, scattering, loss, neighbours, pairs] = self.earlier;
         GroupSums {
             forward_re: if SCALED { forward_re } else { scattering + loss }.lanes(),
             forward_im: forward_im.lanes(),
             size: size.lanes(),
             scattering: scattering.lanes(),
             loss: loss.lanes(),
-            asymmetry: asymmetry.lanes(),
+            asymmetry: (neighbours + pairs).lanes(),
         }
     }
 }
@@ -88,16 +91,16 @@ impl<S: Simd, const SCALED: bool> Sink<S> for Sums<S, SCALED> {
         self.loss = factor.mul_add(loss, self.loss);
         let (a0, b0) = self.previous;
         let beside = a0.dot_add(a, b0.dot(b));
-        let neighbours = loss.same(weight.neighbours).mul_add(beside, self.asymmetry);
-        self.asymmetry = loss.same(weight.pair).mul_add(a.dot(b), neighbours);
+        self.neighbours = loss.same(weight.neighbours).mul_add(beside, self.neighbours);
+        self.pairs = loss.same(weight.pair).mul_add(a.dot(b), self.pairs);
         self.previous = (a, b);
     }
 
     #[inline(always)]
     fn pause(&mut self) {
         let zero = self.loss.same(0.0);
-        let Self { forward, size, scattering, loss, asymmetry, earlier, .. } = self;
-        let parts = [&mut forward.re, &mut forward.im, size, scattering, loss, asymmetry];
+        let Self { forward, size, scattering, loss, neighbours, pairs, earlier, .. } = self;
+        let parts = [&mut forward.re, &mut forward.im, size, scattering, loss, neighbours, pairs];
         for (earlier, part) in earlier.iter_mut().zip(parts) {
             *earlier = *earlier + *part;
             *part = zero;

@@ -128,9 +128,6 @@ impl PlaneWave {
     /// Cross sections of a particle of outer size `k0r`; `scaled` says that every coefficient lacks a factor of
     /// `exp(-2 i x)`.
     ///
-    /// Unless the coefficients are scaled, extinction is put together from scattering and absorption, each known without
-    /// cancellation.
-    ///
     /// # Errors
     /// [`MieError::Cancellation`].
     pub(super) fn cross_sections(
@@ -139,41 +136,64 @@ impl PlaneWave {
         sums: &SphereSums,
         scaled: bool,
     ) -> Result<SphereScattering, MieError> {
-        let Self { host, area, turn, .. } = *self;
-        let x = host * k0r;
-        let mut amplitude = sums.forward;
-        if scaled {
-            amplitude *= (-2.0 * Complex64::I * x).exp();
+        if scaled { self.scaled_cross_sections(k0r, sums) } else { Ok(self.plain_cross_sections(k0r, sums)) }
+    }
+
+    /// From coefficients that lack nothing: extinction is put together from scattering and absorption, each known without
+    /// cancellation.
+    #[inline(always)]
+    pub(super) fn plain_cross_sections(&self, k0r: f64, sums: &SphereSums) -> SphereScattering {
+        let x = self.host * k0r;
+        let turned = sums.forward * self.turn;
+        let excess = if x.im == 0.0 { 0.0 } else { self.excess(2.0 * x.im) };
+        let scattering = sums.scattering * (1.0 + excess);
+        let absorption = sums.loss + self.displaced(sums.forward, turned) - excess * sums.scattering;
+        self.scattered(x, sums, [scattering, absorption, scattering + absorption], sums.forward + turned)
+    }
+
+    /// From coefficients that are scaled.
+    ///
+    /// # Errors
+    /// [`MieError::Cancellation`].
+    pub(super) fn scaled_cross_sections(&self, k0r: f64, sums: &SphereSums) -> Result<SphereScattering, MieError> {
+        let x = self.host * k0r;
+        let amplitude = sums.forward * (-2.0 * Complex64::I * x).exp();
+        let turned = amplitude * self.turn;
+        let extinction = amplitude.re + self.displaced(amplitude, turned);
+        let scattering = sums.scattering * self.surface(2.0 * x.im, true).0;
+        let error = f64::EPSILON * sums.size * (2.0 * x.im).exp() / extinction.abs();
+        if error > MAX_ERROR {
+            return Err(MieError::Cancellation { exponent: 2.0 * x.im, error });
         }
-        let turned = amplitude * turn;
-        let displaced = match self.definition {
+        Ok(self.scattered(x, sums, [scattering, extinction - scattering, extinction], amplitude + turned))
+    }
+
+    /// What extinction has besides the real part of the forward amplitude, for the host that the particle displaces.
+    #[inline(always)]
+    fn displaced(&self, amplitude: Complex64, turned: Complex64) -> f64 {
+        match self.definition {
             ScatteringDefinition::Frisvad2007 => turned.re,
-            ScatteringDefinition::MishchenkoYang2018 => host.im / host.re * amplitude.im,
-        };
-        let (extinction, scattering, absorption);
-        if scaled {
-            extinction = amplitude.re + displaced;
-            scattering = sums.scattering * self.surface(2.0 * x.im, true).0;
-            absorption = extinction - scattering;
-            let error = f64::EPSILON * sums.size * (2.0 * x.im).exp() / extinction.abs();
-            if error > MAX_ERROR {
-                return Err(MieError::Cancellation { exponent: 2.0 * x.im, error });
-            }
-        } else {
-            let excess = if x.im == 0.0 { 0.0 } else { self.excess(2.0 * x.im) };
-            scattering = sums.scattering * (1.0 + excess);
-            absorption = sums.loss + displaced - excess * sums.scattering;
-            extinction = scattering + absorption;
+            ScatteringDefinition::MishchenkoYang2018 => self.host.im / self.host.re * amplitude.im,
         }
-        Ok(SphereScattering {
-            size_parameter: x,
-            extinction: area * extinction,
-            scattering: area * scattering,
-            absorption: area * absorption,
+    }
+
+    #[inline(always)]
+    fn scattered(
+        &self,
+        size_parameter: Complex64,
+        sums: &SphereSums,
+        [scattering, absorption, extinction]: [f64; 3],
+        forward: Complex64,
+    ) -> SphereScattering {
+        SphereScattering {
+            size_parameter,
+            extinction: self.area * extinction,
+            scattering: self.area * scattering,
+            absorption: self.area * absorption,
             asymmetry: if sums.scattering > 0.0 { 2.0 * sums.asymmetry / sums.scattering } else { 0.0 },
-            forward: (amplitude + turned) * (area / (4.0 * PI)),
+            forward: forward * (self.area / (4.0 * PI)),
             definition: self.definition,
-        })
+        }
     }
 
     /// The factor between the sum of squared moduli and the scattering, and the derivative of what it is without scaling,
@@ -222,16 +242,34 @@ pub(super) fn check_size_parameters(x: Complex64, y: Complex64) -> Result<(), Mi
     Ok(())
 }
 
+/// `1 / k` from `k = 3` on: divisions would take longer than all else.
+const INVERSES: [f64; 12] = [
+    1.0 / 3.0,
+    1.0 / 4.0,
+    1.0 / 5.0,
+    1.0 / 6.0,
+    1.0 / 7.0,
+    1.0 / 8.0,
+    1.0 / 9.0,
+    1.0 / 10.0,
+    1.0 / 11.0,
+    1.0 / 12.0,
+    1.0 / 13.0,
+    1.0 / 14.0,
+];
+
 /// `exp(alpha) / gamma(alpha) - 1` with `gamma = 2 (1 + (alpha - 1) exp(alpha)) / alpha^2` (eq 24), that is
 /// `alpha^2 / (2 (exp(-alpha) - 1 + alpha)) - 1`; 0 at `alpha = 0`.
 fn surface_excess(alpha: f64) -> f64 {
     if alpha < 0.5 {
         // 2 (exp(-alpha) - 1 + alpha) / alpha^2 is 1 plus this series; twelve terms leave less than 1e-17.
-        let mut term = 1.0;
-        let mut rest = 0.0;
-        for k in 3..15 {
-            term *= -alpha / f64::from(k);
+        let (mut term, mut rest) = (1.0, 0.0);
+        for inverse in INVERSES {
+            term *= -alpha * inverse;
             rest += term;
+            if term.abs() < 1e-17 * rest.abs() {
+                break;
+            }
         }
         -rest / (1.0 + rest)
     } else {
