@@ -5,11 +5,13 @@ use std::f64::consts::PI;
 use super::source::{farther, flux, potential_between, relative_loss};
 use super::{Boundary, DiffusionMedium};
 
-/// Diffuse reflectance after `deon2012`: light scattered twice and more. Single scattering is not in it
-/// ([`super::PhotonBeam`] has a closed form to add).
+/// Diffuse reflectance after `deon2012`, meant for light scattered twice and more: [`super::SingleScattering`] is what it
+/// leaves out.
 ///
-/// Nearer to the truth than the classical dipole in absorbing media, as Grosjean's solution is that of an infinite
-/// medium at any albedo; its single source one mean free path deep is no better near the centre.
+/// With it the total is good where much is absorbed (within 5 % of what comes back up to albedo 0.7, isotropic), where the
+/// classical dipole is not. But without absorption this part alone has a total of 1, so that single scattering comes on
+/// top of all the light: by 15 % without a surface, 5 % at index 1.5, when scattering is isotropic. Where energy matters
+/// [`super::Profile::normalised`] is needed. Its one source, a mean free path deep, knows nothing of the centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BetterDipole {
     albedo_squared: f64,
@@ -63,7 +65,7 @@ impl BetterDipole {
     }
 
     /// Power that leaves per area at the distance `r` (m, from 0 up) from where light of power 1 has entered along the
-    /// normal, having been scattered at least twice, 1/m^2.
+    /// normal, single scattering left out, 1/m^2.
     pub fn reflectance(&self, r: f64) -> f64 {
         self.albedo_squared / (4.0 * PI) * self.exitance.at(r, self.depths, self.sigma_tr)
     }

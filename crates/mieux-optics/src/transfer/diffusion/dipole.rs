@@ -22,12 +22,19 @@ pub struct Dipole {
 impl Dipole {
     /// Of a medium, with either boundary.
     pub fn new(medium: &DiffusionMedium, boundary: Boundary) -> Self {
-        let diffusion = medium.diffusion_coefficient();
-        let depth = 1.0 / medium.reduced_extinction();
+        Self::with_boundary(medium.sigma_a(), medium.reduced_scattering(), medium.boundary(boundary))
+    }
+
+    /// From coefficients of absorption and of reduced scattering (1/m, from 0 up and not both 0) and the constant `A` of
+    /// the boundary, where that is known already.
+    pub fn with_boundary(sigma_a: f64, reduced_scattering: f64, a: f64) -> Self {
+        let extinction = sigma_a + reduced_scattering;
+        let depth = 1.0 / extinction;
         Self {
-            albedo: medium.reduced_albedo(),
-            sigma_tr: medium.transport_coefficient(diffusion),
-            depths: [depth, depth + 4.0 * medium.boundary(boundary) * diffusion],
+            albedo: reduced_scattering / extinction,
+            // sqrt(sigma_a / D) with D = 1 / (3 sigma_t').
+            sigma_tr: (3.0 * sigma_a * extinction).sqrt(),
+            depths: [depth, depth * (1.0 + 4.0 / 3.0 * a)],
         }
     }
 

@@ -92,10 +92,6 @@ impl Multipole {
         self.albedo * self.shared(below, self.depth + above)
     }
 
-    pub(super) fn sigma_tr(&self) -> f64 {
-        self.sigma_tr
-    }
-
     /// Distance between the planes where fluence vanishes.
     fn between(&self) -> f64 {
         self.thickness + self.beyond[0] + self.beyond[1]

@@ -12,8 +12,9 @@ use crate::transfer::TransferError;
 /// that fades with the reduced extinction, each with its image as in the better dipole and damped by
 /// `1 - exp(-2 sigma_t' (d + z))` near itself; and [`SingleScattering`] with the true coefficients.
 ///
-/// The integral along the beam is adaptive, to 1e-10. The best of these models at the centre and in absorbing media. The
-/// damping takes a little of the total away (3 % at albedo 1).
+/// The integral along the beam is adaptive, to 1e-10. The best of these models at the centre. Its total comes out between
+/// 3 % too low (g 0.8, index 1.5) and 9 % too high (isotropic, no surface) at albedo 1: the damping takes away less, or
+/// more, than single scattering adds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PhotonBeam {
     extinction: f64,
