@@ -1,4 +1,5 @@
-//! The diffusion models against photons: how much light leaves at which distance from a pencil beam.
+//! The diffusion models against photons: how much light leaves at which distance from a pencil beam. And diffusion
+//! through layers against discrete ordinates.
 //!
 //! `cargo run --release -p mieux --example diffusion_models -- docs` writes the figure and the table of docs/diffusion.md;
 //! a number after the folder is that of the photons for each medium (two million are shown).
@@ -12,8 +13,8 @@ use mieux::io::output::OutputDir;
 use mieux::io::plot::{Figure, Panel, Scale, Series};
 use mieux::io::table::Table;
 use mieux::optics::phase::{HenyeyGreenstein, PhaseFunction};
-use mieux::optics::transfer::diffusion::{DiffusionMedium, DiffusionModel, Profile};
-use mieux::optics::transfer::{Incidence, Layer, Moments, Stack};
+use mieux::optics::transfer::diffusion::{DiffusionMedium, DiffusionModel, Profile, shares};
+use mieux::optics::transfer::{DiscreteOrdinates, Incidence, Layer, Moments, Stack};
 use mieux::render::detector::slab::{Rings, SlabWalk};
 use mieux::render::render::Flow;
 
@@ -88,6 +89,7 @@ fn main() -> Outcome<()> {
     }
     dir.write("diffusion.csv", |out| table.write_csv(out))?;
     dir.commit();
+    report += &layers()?;
     Ok(std::io::stdout().write_all(report.as_bytes())?)
 }
 
@@ -177,6 +179,33 @@ fn summary(name: &str, medium: &DiffusionMedium, measured: &Measured, modelled: 
             text += &format!("  {from} to {to}: {:5.1} % ({:5.1} %)", 100.0 * off / there, 100.0 * off_scaled / there);
         }
         text += "\n";
+    }
+    Ok(text)
+}
+
+/// Reflectance and transmittance of one layer by diffusion less those by discrete ordinates.
+fn layers() -> Outcome<String> {
+    let albedos = [0.3, 0.5, 0.7, 0.9, 0.99, 0.999, 1.0];
+    let mut text = String::new();
+    for (incidence, name) in [(Incidence::NORMAL, "along the normal"), (Incidence::Diffuse, "diffuse")] {
+        for (index, g) in [(1.0, 0.0), (1.5, 0.0), (1.5, 0.8)] {
+            text +=
+                &format!("layer of index {index}, g {g}, light {name}: R and T, diffusion less discrete ordinates\n");
+            text += &format!("  thickness  {}\n", albedos.map(|albedo| format!("albedo {albedo:<9}")).join(" "));
+            for thickness in [0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0] {
+                text += &format!("  {thickness:<9} ");
+                for reduced in albedos {
+                    let albedo = reduced / (1.0 - g + reduced * g);
+                    let layer = Layer::new(thickness / (1.0 - albedo * g), albedo, Moments::henyey_greenstein(g)?);
+                    let stack = Stack::slab(layer.with_index(index));
+                    let (ours, exact) =
+                        (shares(&stack, incidence)?, DiscreteOrdinates::default().shares(&stack, incidence)?);
+                    let [r, t] = [ours.reflectance - exact.reflectance, ours.transmittance - exact.transmittance];
+                    text += &format!(" {r:+.4} {t:+.4} ");
+                }
+                text += "\n";
+            }
+        }
     }
     Ok(text)
 }
