@@ -83,7 +83,7 @@ pub(super) struct Path<'a> {
     pub(super) in_a_row: u32,
     pub(super) throughput: Throughput,
     /// Density of the last direction, where light could also have been sampled directly.
-    scattered: Option<f64>,
+    pub(super) scattered: Option<f64>,
     radiance: Lanes,
     pub(super) sampler: &'a mut PixelSampler,
     pub(super) statistics: &'a mut Statistics,

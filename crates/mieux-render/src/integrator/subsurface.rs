@@ -13,10 +13,10 @@ use super::{LANES, Lanes};
 use crate::geometry::{Accelerator, Ray};
 use crate::sampler::Turn;
 use crate::scene::{Dipoles, Owner};
-use crate::surface::{Crossing, Interior};
+use crate::surface::{Crossing, Interior, cosine_hemisphere};
 
 /// How often lines run along the normal and along each tangent: most surfaces are flat at the scale of the light below.
-const CHANCES: [f64; 3] = [0.7, 0.15, 0.15];
+const CHANCES: [f64; 3] = [0.9, 0.05, 0.05];
 /// Surfaces that a line may meet.
 const MOST_MET: u32 = 1000;
 
@@ -63,10 +63,25 @@ impl Path<'_> {
         (self.ray.origin, self.exclude, self.in_a_row) = (exit.place, exit.triangle, 0);
         (self.interior, self.medium) = (exit.outside, outside);
         let (normal, inside) = (exit.normal, entry.inside);
+        if outside.n_geometry[0] > inside.n_geometry[0] && !self.interior.is_empty() {
+            return self.refracted_out(normal, &inside, &outside);
+        }
         self.ray.direction = self.lit(normal, |direction| {
             let interface = Interface::new(-direction, (normal, normal), &outside, &inside);
             interface.reflectance.map(|r| 1.0 - r)
         });
+        true
+    }
+
+    /// Into a denser medium: drawn inside and refracted, as from outside many directions see no light from below.
+    fn refracted_out(&mut self, normal: DVec3, inside: &MediumLanes, outside: &MediumLanes) -> bool {
+        let (direction, _) = cosine_hemisphere(normal, self.sampler.pair());
+        let interface = Interface::new(direction, (normal, normal), inside, outside);
+        let Some(direction) = interface.refracted() else { return false };
+        self.throughput.absorb(&std::array::from_fn(|k| {
+            (1.0 - interface.reflectance[k]) * (inside.n_geometry[k] / outside.n_geometry[k]).powi(2)
+        }));
+        (self.ray.direction, self.scattered) = (direction, None);
         true
     }
 
