@@ -2,7 +2,7 @@
 //! through layers against discrete ordinates.
 //!
 //! `cargo run --release -p mieux --example diffusion_models -- docs` writes the figure and the table of docs/diffusion.md;
-//! a number after the folder is that of the photons for each medium (two million are shown).
+//! a number after the folder is that of the photons for each medium (400 000 without).
 
 use std::error::Error;
 use std::f64::consts::PI;
@@ -55,7 +55,7 @@ struct Modelled {
 fn main() -> Outcome<()> {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().map_or_else(|| PathBuf::from("out"), PathBuf::from);
-    let photons: u64 = arguments.next().map_or(Ok(2_000_000), |text| text.parse())?;
+    let photons: u64 = arguments.next().map_or(Ok(400_000), |text| text.parse())?;
     let dir = OutputDir::create(&folder)?;
     let mut figure = Figure::new("Light around a pencil beam: diffusion models and photons", 2);
     let mut report = String::new();
