@@ -82,7 +82,7 @@ fn main() -> Outcome<()> {
         "Power that leaves per area around a pencil beam that has entered, per transport mean free path squared",
     );
     for (index, (_, _, _, name)) in CASES.into_iter().enumerate() {
-        table = table.with_metadata(&format!("medium {index}"), name);
+        table = table.with_metadata(format!("medium {index}"), name);
     }
     for (name, values) in columns {
         table = table.with_column(&name, "", values)?;

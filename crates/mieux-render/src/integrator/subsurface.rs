@@ -107,9 +107,6 @@ impl Path<'_> {
         });
         let mut exit = exits.swap_remove(chosen.or_else(|| exits.len().checked_sub(1))?);
         let chance = exit.weight / sum;
-        if !(chance > 0.0) {
-            return None;
-        }
         exit.density.iter_mut().for_each(|density| *density *= chance);
         (exit.density[0] > 0.0).then_some(exit)
     }
