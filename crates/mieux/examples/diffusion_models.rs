@@ -145,15 +145,14 @@ fn panels(figure: Figure, name: &str, measured: &Measured, modelled: &[Modelled]
         let all = (0..middles.len()).filter(known).map(|k| (middles[k], values[k] / measured.values[k]));
         all.filter(within).collect()
     };
-    let mut left = Panel::new(name, axis, "Power per unit of ln r")
-        .with_scales(Scale::Log, Scale::Linear)
-        .with_series(Series::new("photons", power(&measured.values)));
+    let mut left = Panel::new(name, axis, "Power per unit of ln r").with_scales(Scale::Log, Scale::Linear);
     let mut right =
         Panel::new("The same, over photons", axis, "Ratio").with_scales(Scale::Log, Scale::LinearOver(0.4, 1.8));
     for of in modelled {
         left = left.with_series(Series::new(of.model.name(), power(&of.values)));
         right = right.with_series(Series::new(of.model.name(), ratio(&of.values)));
     }
+    let left = left.with_series(Series::new("photons", power(&measured.values)));
     figure.with_panel(left).with_panel(right)
 }
 
