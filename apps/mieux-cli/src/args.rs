@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use mieux::io::quantity::{Size, parse_duration, parse_fraction};
 use mieux::io::recipe::{RecipeError, parse_setting};
-use mieux::jobs::{Optics, Render, Stop};
+use mieux::jobs::{Approximation, Optics, Render, Stop};
 
 use crate::mie::MieArgs;
 use crate::phase::PhaseArgs;
@@ -113,6 +113,9 @@ pub struct RenderArgs {
     /// Scatter isotropically after ten mean free paths: faster, slightly wrong (see docs/similarity.md)
     #[arg(long)]
     pub similarity: bool,
+    /// Let light diffuse through dense bodies instead of following it: fast and approximate (see docs/diffusion.md)
+    #[arg(long, value_enum, value_name = "HOW")]
+    pub approximate: Option<Approximate>,
     /// Let rays bend by each wavelength's own refractive index: rainbows, and more noise in colour
     #[arg(long)]
     pub dispersion: bool,
@@ -122,6 +125,13 @@ pub struct RenderArgs {
     /// Folder for the results [default: out/NAME]
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+}
+
+/// What may stand in for the walk of light through dense bodies.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Approximate {
+    /// A diffusion profile around where light enters
+    Diffusion,
 }
 
 /// When a picture is done; at most one of these.
@@ -159,6 +169,7 @@ impl RenderArgs {
             seed: self.seed,
             threads: self.threads.map(usize::from),
             similarity: self.similarity,
+            approximate: self.approximate.map(|Approximate::Diffusion| Approximation::Diffusion),
             dispersion: self.dispersion,
             resume: self.resume,
             output: self.output,

@@ -71,6 +71,10 @@ pub fn render(report: &RenderReport, again: &str) {
         format_duration(report.seconds),
         percent(report.noise)
     );
+    if report.approximate.is_some() {
+        text += "approximate: in bodies at least ten transport mean free paths thick light diffuses instead of being \
+                 followed (docs/diffusion.md)\n";
+    }
     let lost = report.statistics.lost;
     if lost > 0 {
         text += &format!("{lost} of {} paths were given up; they count as dark\n", report.statistics.paths);

@@ -65,6 +65,23 @@ fn optics_prints_json_csv_and_a_table() {
     assert_eq!(listing(&folder.path().join("made/here")), ["optics.csv", "optics.json", "optics.svg"]);
 }
 
+/// What is approximate says so, and gives another picture.
+#[test]
+fn an_approximate_render_is_labelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let render = |words: &[&str]| {
+        let all = ["render", "whole-milk", "--size", "24x18", "--spp", "4"];
+        text(&mieux(folder.path(), &[&all[..], words].concat()).stdout)
+    };
+    let approximate = render(&["--approximate", "diffusion", "-o", "fast"]);
+    assert!(approximate.contains("approximate: ") && approximate.contains("docs/diffusion.md"), "{approximate}");
+    assert!(!render(&["-o", "exact"]).contains("approximate"));
+    let picture = |name: &str| std::fs::read(folder.path().join(name).join("picture.png")).unwrap();
+    assert_ne!(picture("fast"), picture("exact"));
+    let wrong = mieux(folder.path(), &["render", "whole-milk", "--approximate", "magic"]);
+    assert!(!wrong.status.success() && flat(&wrong).contains("diffusion"), "{}", flat(&wrong));
+}
+
 #[test]
 fn a_render_writes_its_files_and_is_the_same_on_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();

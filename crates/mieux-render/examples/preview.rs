@@ -1,8 +1,8 @@
 //! Renders glasses of milk-like liquids and writes a picture, to judge looks and speed by eye.
 //!
 //! `cargo run --release -p mieux-render --example preview -- FILE.ppm [whole|skimmed|water|row] [WIDTHxHEIGHT] [NOISE or SPP]`
-//! A last number below 1 is a noise to reach, above it a number of samples per pixel; `similarity` and `dispersion`
-//! anywhere switch those on.
+//! A last number below 1 is a noise to reach, above it a number of samples per pixel; `similarity`, `diffusion` and
+//! `dispersion` anywhere switch those on.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;
@@ -55,6 +55,7 @@ fn main() -> Fallible<()> {
     };
     let mut settings = RenderSettings::default();
     settings.transport.similarity = switch("similarity");
+    settings.transport.diffusion = switch("diffusion");
     settings.transport.dispersion = switch("dispersion");
     let argument = |i: usize, default: &str| arguments.get(i).cloned().unwrap_or(default.to_string());
     let names = match argument(1, "whole").as_str() {

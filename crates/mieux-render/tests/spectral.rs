@@ -24,7 +24,7 @@ fn companions_change_nothing_but_the_noise() {
     let slab = slab(medium, 1e-3, true);
     let down = Ray { origin: slab.camera().position(), direction: -DVec3::Z };
     let run = |companions, dispersion| {
-        let transport = Transport { companions, dispersion, similarity: false };
+        let transport = Transport { companions, dispersion, ..Transport::default() };
         by_wavelength(&paths(&slab, &transport, 400_000, |_| down).0, 8)
     };
     let single = run(false, false);

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use mieux::jobs::{Context, Event, Job, Render, Report, Stage, Stop};
+use mieux::jobs::{Approximation, Context, Event, Job, Render, Report, Stage, Stop};
 
 fn small(output: &std::path::Path) -> Render {
     Render {
@@ -53,6 +53,10 @@ fn a_job_can_be_written_down() {
     let job = Job::Render(Render { stop: Stop::Noise(0.02), ..Render::new("whole-milk") });
     let text = serde_json::to_string(&job).unwrap();
     assert_eq!(serde_json::from_str::<Job>(&text).unwrap(), job);
+    let fast = Job::Render(Render { approximate: Some(Approximation::Diffusion), ..Render::new("whole-milk") });
+    let text = serde_json::to_string(&fast).unwrap();
+    assert!(text.contains(r#""approximate":"diffusion""#), "{text}");
+    assert_eq!(serde_json::from_str::<Job>(&text).unwrap(), fast);
     assert!(serde_json::from_str::<Job>(r#"{"job":"optics","material":"water"}"#).is_ok());
     assert!(serde_json::from_str::<Job>(r#"{"job":"optics","material":"water","colour":1}"#).is_err());
 }

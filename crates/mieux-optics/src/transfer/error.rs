@@ -81,6 +81,25 @@ pub enum TransferError {
         /// The offending optical depth in it.
         value: f64,
     },
+    /// A coefficient must be finite and not negative, and a medium must do something to light.
+    #[error("the {what} coefficient {value} 1/m is not a finite number from 0 up, or leaves nothing to meet light")]
+    Coefficient {
+        /// Of what.
+        what: &'static str,
+        /// The offending value, 1/m.
+        value: f64,
+    },
+    /// Diffusion needs room for one transport mean free path.
+    #[error("a slab {value} m thick is thinner than one transport mean free path of {least} m, or endless")]
+    Thickness {
+        /// The offending value, m.
+        value: f64,
+        /// The least possible, m.
+        least: f64,
+    },
+    /// A profile to be sampled must be positive somewhere.
+    #[error("nothing comes back from a medium that does not scatter: there is nothing to sample or rescale")]
+    Dark,
     /// The moments give a phase function so negative that light would be created.
     #[error("layer {layer}: with {streams} streams the phase function of these moments has no physical answer")]
     NotAPhaseFunction {

@@ -3,6 +3,7 @@
 mod interface;
 mod path;
 mod statistics;
+mod subsurface;
 mod throughput;
 mod turbid;
 mod walk;
@@ -29,6 +30,10 @@ pub struct Transport {
     /// faster and slightly wrong. Measured on 2 mm of whole milk: reflectance +0.27 % +- 0.06 % without a change of
     /// index, -0.57 % +- 0.07 % with the index of milk against air.
     pub similarity: bool,
+    /// Light that enters a dense turbid body leaves it elsewhere on its surface by a diffusion profile instead of a random
+    /// walk (the classical dipole of `jensen2001`, its boundary and its energy made exact): approximate. Bodies that are not
+    /// ten transport mean free paths thick, or absorb more than they scatter, are walked through as ever.
+    pub diffusion: bool,
     /// Whether a hero has companions. Off: one wavelength per path; the same picture with more noise.
     pub companions: bool,
 }
@@ -36,6 +41,6 @@ pub struct Transport {
 impl Default for Transport {
     /// No dispersion, the exact walk, companions.
     fn default() -> Self {
-        Self { dispersion: false, similarity: false, companions: true }
+        Self { dispersion: false, similarity: false, diffusion: false, companions: true }
     }
 }

@@ -68,25 +68,25 @@ pub fn trace(
     Estimate { wavelengths, radiance: std::array::from_fn(|k| radiance[k] * scale[k]) }
 }
 
-struct Path<'a> {
-    scene: &'a Prepared,
+pub(super) struct Path<'a> {
+    pub(super) scene: &'a Prepared,
     transport: &'a Transport,
-    wavelengths: Lanes,
-    ray: Ray,
+    pub(super) wavelengths: Lanes,
+    pub(super) ray: Ray,
     /// The triangle the ray has just left.
-    exclude: u32,
-    interior: Interior,
-    medium: MediumLanes,
+    pub(super) exclude: u32,
+    pub(super) interior: Interior,
+    pub(super) medium: MediumLanes,
     /// Distance walked in the present medium since it was entered, m.
     walked: f64,
     /// Surfaces met since the last scattering.
-    in_a_row: u32,
-    throughput: Throughput,
+    pub(super) in_a_row: u32,
+    pub(super) throughput: Throughput,
     /// Density of the last direction, where light could also have been sampled directly.
-    scattered: Option<f64>,
+    pub(super) scattered: Option<f64>,
     radiance: Lanes,
-    sampler: &'a mut PixelSampler,
-    statistics: &'a mut Statistics,
+    pub(super) sampler: &'a mut PixelSampler,
+    pub(super) statistics: &'a mut Statistics,
 }
 
 impl Path<'_> {
@@ -181,31 +181,39 @@ impl Path<'_> {
         match self.interior.cross(body, entering, |b| self.scene.priority(b)) {
             Crossing::Inconsistent => self.statistics.inconsistencies += 1,
             Crossing::Hidden(next) => self.interior = next,
-            Crossing::Interface(next) => self.interface(normals, next),
+            Crossing::Interface(next) => return self.interface(normals, next),
         }
         true
     }
 
-    fn interface(&mut self, normals: (glam::DVec3, glam::DVec3), next: Interior) {
+    fn interface(&mut self, normals: (glam::DVec3, glam::DVec3), next: Interior) -> bool {
         let beyond = self.medium_of(&next);
         let interface = Interface::new(self.ray.direction, normals, &self.medium, &beyond);
         let xi = self.sampler.uniform();
         if xi < interface.reflectance[0] {
             self.throughput.choose(&interface.reflectance);
             self.ray.direction = interface.reflected();
-            return;
+            return true;
         }
         self.throughput.choose(&interface.reflectance.map(|r| 1.0 - r));
+        if self.transport.diffusion
+            && beyond.turbid.is_some()
+            && let Some(entry) = self.diffusing(&next, &beyond)
+        {
+            let facet = normals.0 * -self.ray.direction.dot(normals.0).signum();
+            return self.emerge(&entry, facet);
+        }
         let Some(direction) = interface.refracted() else {
             // A smooth normal promised what its facet cannot keep: stay inside.
             self.ray.direction = interface.reflected();
-            return;
+            return true;
         };
         self.throughput.keep(|lane| interface.bends_alike(lane));
         self.ray.direction = direction;
         self.interior = next;
         self.medium = beyond;
         self.walked = 0.0;
+        true
     }
 
     /// An opaque diffuse surface: gathers light sampled directly, then goes on in a random direction. Only the facet's own
@@ -217,6 +225,14 @@ impl Path<'_> {
         self.exclude = hit.triangle;
         self.in_a_row = 0;
         self.throughput.absorb(&self.scene.reflectance(surface, &self.wavelengths));
+        let direction = self.lit(normal, |_| [1.0; LANES]);
+        self.ray.direction = direction;
+        true
+    }
+
+    /// At a point that sends light diffusely about `normal`, the given share of it: gathers the light sampled directly, and
+    /// draws the direction in which the path goes on.
+    pub(super) fn lit(&mut self, normal: glam::DVec3, share: impl Fn(glam::DVec3) -> Lanes) -> glam::DVec3 {
         // From inside a body the light is only reached by refraction, which no straight line finds.
         let open = self.interior.is_empty();
         let ([u, v], for_direction) = (self.sampler.pair(), self.sampler.pair());
@@ -224,17 +240,17 @@ impl Path<'_> {
             for k in 0..LIGHTS {
                 // One draw, turned: the samples stratify the choice and the place of the light between them.
                 let turn = f64::from(k) / f64::from(LIGHTS);
-                self.direct(normal, [(u + turn).fract(), (v + turn).fract()]);
+                self.direct(normal, [(u + turn).fract(), (v + turn).fract()], &share);
             }
         }
         let (direction, density) = cosine_hemisphere(normal, for_direction);
-        self.ray.direction = direction;
         self.scattered = open.then_some(density);
-        true
+        self.throughput.absorb(&share(direction));
+        direction
     }
 
     /// Next-event estimation: one direction sampled by the light's brightness.
-    fn direct(&mut self, normal: glam::DVec3, xi: [f64; 2]) {
+    fn direct(&mut self, normal: glam::DVec3, xi: [f64; 2], share: impl Fn(glam::DVec3) -> Lanes) {
         let pattern = self.scene.pattern();
         let (direction, density) = pattern.sample(xi);
         let cosine = direction.dot(normal);
@@ -246,11 +262,12 @@ impl Path<'_> {
             return;
         }
         let diffuse = cosine * std::f64::consts::FRAC_1_PI;
-        let light = self.scene.light(&self.wavelengths);
+        let (light, share) = (self.scene.light(&self.wavelengths), share(direction));
+        let light = std::array::from_fn(|k| light[k] * share[k]);
         self.gather(&light, pattern.value(direction) * diffuse / (f64::from(LIGHTS) * density + diffuse));
     }
 
-    fn medium_of(&self, interior: &Interior) -> MediumLanes {
+    pub(super) fn medium_of(&self, interior: &Interior) -> MediumLanes {
         let top = interior.top(|b| self.scene.priority(b));
         self.scene.medium(top, &self.wavelengths, self.transport.dispersion)
     }

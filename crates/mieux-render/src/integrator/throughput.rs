@@ -54,6 +54,15 @@ impl Throughput {
         }
     }
 
+    /// A place was chosen with a density for each wavelength had it been the hero, and light takes these shares to it.
+    pub(crate) fn jump(&mut self, share: &Lanes, density: &Lanes) {
+        let scale = 1.0 / density[0];
+        for k in 0..LANES {
+            self.f[k] *= share[k] * scale;
+            self.p[k] *= density[k] * scale;
+        }
+    }
+
     /// Ends the companions for which `same` is false: they would have gone elsewhere.
     pub(crate) fn keep(&mut self, same: impl Fn(usize) -> bool) {
         for k in (1..LANES).filter(|&k| !same(k)) {

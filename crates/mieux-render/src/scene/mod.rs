@@ -1,8 +1,10 @@
 //! What is to be rendered.
 
+mod diffusing;
 mod milk_glass;
 mod prepared;
 
+pub(crate) use diffusing::Dipoles;
 pub use milk_glass::{GlassScene, glasses};
 pub use prepared::{Owner, Prepared};
 

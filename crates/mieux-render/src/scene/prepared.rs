@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::diffusing::{Diffusing, Dipoles};
 use super::{Body, Scene, SceneError};
 use crate::camera::Pinhole;
 use crate::film::Observer;
@@ -31,13 +32,14 @@ pub struct Prepared {
     accelerator: Accelerator,
     observer: Observer,
     camera_interior: Interior,
+    diffusing: Diffusing,
 }
 
-struct DenseMedium {
-    sigma_s: Dense,
-    sigma_a: Dense,
-    g: Dense,
-    n: Dense,
+pub(super) struct DenseMedium {
+    pub(super) sigma_s: Dense,
+    pub(super) sigma_a: Dense,
+    pub(super) g: Dense,
+    pub(super) n: Dense,
     n_design: f64,
 }
 
@@ -55,7 +57,8 @@ impl Prepared {
             }
         }
         scene.bodies.iter().try_for_each(check_closed)?;
-        let media = scene.bodies.iter().map(|b| DenseMedium::new(b, range)).collect::<Result<_, _>>()?;
+        let media: Vec<DenseMedium> =
+            scene.bodies.iter().map(|b| DenseMedium::new(b, range)).collect::<Result<_, _>>()?;
         let reflectance = |surface: &super::Surface| {
             let valid = |v| (0.0..=1.0).contains(&v);
             Dense::new("reflectance", &surface.reflectance, range, "must lie between 0 and 1", valid)
@@ -68,6 +71,7 @@ impl Prepared {
             camera: scene.camera.clone(),
             pattern: scene.environment.pattern.clone(),
             light,
+            diffusing: Diffusing::new(&scene.bodies, &media, range),
             media,
             priorities: scene.bodies.iter().map(|b| b.priority).collect(),
             reflectances: scene.surfaces.iter().map(reflectance).collect::<Result<_, _>>()?,
@@ -140,6 +144,11 @@ impl Prepared {
 
     pub(crate) fn reflectance(&self, surface: u16, wavelengths: &Lanes) -> Lanes {
         self.reflectances[usize::from(surface)].lanes(wavelengths)
+    }
+
+    /// How light diffuses under the surface between a body and another, or nothing; `None` where it has to be followed.
+    pub(crate) fn dipoles(&self, body: u16, beyond: Option<u16>, wavelengths: &Lanes) -> Option<Dipoles> {
+        self.diffusing.dipoles(&self.media, body, beyond, wavelengths)
     }
 
     pub(crate) fn medium(&self, body: Option<u16>, wavelengths: &Lanes, dispersion: bool) -> MediumLanes {

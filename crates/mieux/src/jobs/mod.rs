@@ -18,7 +18,7 @@ pub use event::{Context, Event, Stage};
 pub use mie::{Coat, Definition, Directional, Mie, MieBatch, MieBatchReport, MieReport, MieSheet, Particle};
 pub use optics::{Optics, OpticsReport};
 pub use phase::{Comparand, Compared, FitKind, Named, Phase, PhaseModel, PhaseReport, PhaseSheet};
-pub use render::{Render, RenderReport, Stop};
+pub use render::{Approximation, Render, RenderReport, Stop};
 pub use sheet::{Made, OpticsSheet};
 pub use slab::{
     Answer, Backing, Case, Patch, PhaseName, Sample, Slab, SlabCompare, SlabCompareReport, SlabCompareSheet, SlabError,

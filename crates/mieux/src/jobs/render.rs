@@ -49,6 +49,9 @@ pub struct Render {
     /// Isotropic scattering after ten mean free paths (frisvad2007 section 3): faster and slightly wrong.
     #[serde(default)]
     pub similarity: bool,
+    /// How light gets through dense turbid bodies, if not by a walk: fast and approximate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub approximate: Option<Approximation>,
     /// Rays bend by each wavelength's own index.
     #[serde(default)]
     pub dispersion: bool,
@@ -58,6 +61,14 @@ pub struct Render {
     /// Folder for the results; `out/NAME` when left out.
     #[serde(default)]
     pub output: Option<PathBuf>,
+}
+
+/// What may stand in for the walk of light through dense turbid bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Approximation {
+    /// A diffusion profile around where light enters (docs/diffusion.md).
+    Diffusion,
 }
 
 /// When a render is done.
@@ -104,6 +115,8 @@ pub struct RenderReport {
     pub sheets: Vec<OpticsSheet>,
     /// Whether it was stopped before its end; it can be taken up again.
     pub interrupted: bool,
+    /// What stood in for the walk of light.
+    pub approximate: Option<Approximation>,
     /// Least and most samples per pixel.
     pub samples: (u64, u64),
     /// Mean relative standard error per pixel.
@@ -129,6 +142,7 @@ impl Render {
             seed: 0,
             threads: None,
             similarity: false,
+            approximate: None,
             dispersion: false,
             resume: false,
             output: None,
@@ -178,6 +192,7 @@ impl Render {
             title: scene_file.title,
             sheets,
             interrupted,
+            approximate: self.approximate,
             samples: rendered.film.samples(),
             noise: rendered.noise,
             seconds,
@@ -223,6 +238,7 @@ impl Render {
             set: self.set.clone(),
             seed: self.seed,
             similarity: self.similarity,
+            approximate: self.approximate,
             dispersion: self.dispersion,
             ..relevant
         };
@@ -243,7 +259,12 @@ impl Render {
             Stop::Noise(n) => (StopRule::Noise(n), None),
             Stop::Seconds(s) => (StopRule::Never, Some(Duration::from_secs_f64(s.min(1e9)))),
         };
-        let transport = Transport { dispersion: self.dispersion, similarity: self.similarity, ..Transport::default() };
+        let transport = Transport {
+            dispersion: self.dispersion,
+            similarity: self.similarity,
+            diffusion: self.approximate == Some(Approximation::Diffusion),
+            ..Transport::default()
+        };
         let settings = RenderSettings { seed: self.seed, stop: rule, transport };
         let sink = |progress: &Progress| {
             context.say(Event::Progress {
@@ -274,7 +295,8 @@ impl Render {
         write_png_srgb8(&png, width, height, &rgb, 1.0)?;
         let layers = ExrFilm { rgb: &rgb, variance: Some(&variance), samples: Some(&samples) };
         let set: String = self.set.iter().map(|(k, v)| format!(" --set {k}={v}")).collect();
-        let comment = format!("{title}: mieux render {}{set} --seed {}", self.subject, self.seed);
+        let approximate = if self.approximate.is_some() { " --approximate diffusion" } else { "" };
+        let comment = format!("{title}: mieux render {}{set}{approximate} --seed {}", self.subject, self.seed);
         write_exr(&exr, width, height, &layers, &comment)?;
         Ok(vec![png, exr])
     }

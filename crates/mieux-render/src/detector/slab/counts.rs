@@ -31,6 +31,24 @@ impl Radiance {
     }
 }
 
+/// Light that leaves in rings around where a pencil beam falls in, for a power of 1 that falls in. Light that was never
+/// scattered is left out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RadialCounts {
+    edges: Vec<f64>,
+    /// Per area of each ring.
+    values: Vec<Estimate>,
+    /// What left beyond the last ring.
+    pub beyond: Estimate,
+}
+
+impl RadialCounts {
+    /// Inner and outer radius of each ring, m, and the power that left there per area, 1/m^2.
+    pub fn rings(&self) -> impl Iterator<Item = ([f64; 2], Estimate)> + '_ {
+        self.edges.windows(2).map(|ends| [ends[0], ends[1]]).zip(self.values.iter().copied())
+    }
+}
+
 /// Where the photons went, as shares of what fell onto the top (or was emitted).
 #[derive(Debug, Clone, PartialEq)]
 pub struct SlabCounts {
@@ -60,18 +78,29 @@ pub struct SlabCounts {
     pub radiance_up: Option<Radiance>,
     /// The light that passed the last plane downward, before the ground takes or returns it.
     pub radiance_down: Option<Radiance>,
+    /// Where light left upward, if rings were asked for.
+    pub radial_up: Option<RadialCounts>,
+    /// Where light passed the last plane downward, before the ground takes or returns it.
+    pub radial_down: Option<RadialCounts>,
 }
 
-/// What a batch counts: how many layers and bins.
+/// What a batch counts: how many layers and bins, and rings between which radii.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Layout {
+pub(super) struct Layout<'a> {
     pub layers: usize,
     pub bins: Option<[usize; 2]>,
+    /// Radii of the edges, m; none without rings.
+    pub edges: &'a [f64],
 }
 
-impl Layout {
+impl Layout<'_> {
     fn bin_count(self) -> usize {
         self.bins.map_or(0, |[cosines, azimuths]| cosines * azimuths)
+    }
+
+    /// As many as edges: within the first there may be a hole, beyond the last is all the rest.
+    fn first_ring(self, up: bool) -> usize {
+        SLOTS + self.layers + 2 * self.bin_count() + if up { 0 } else { self.edges.len() }
     }
 }
 
@@ -92,16 +121,17 @@ const SLOTS: usize = Slot::Absorbed as usize + 1;
 
 /// The sums of one batch.
 #[derive(Debug, Clone)]
-pub(super) struct Tally {
-    layout: Layout,
-    /// Slots, layers, bins of the light that goes up, and down.
+pub(super) struct Tally<'a> {
+    layout: Layout<'a>,
+    /// Slots, layers, bins of the light that goes up, and down; rings of the light that goes up, and down.
     sums: Vec<f64>,
     pub collisions: u64,
 }
 
-impl Tally {
-    pub fn new(layout: Layout) -> Self {
-        Self { layout, sums: vec![0.0; SLOTS + layout.layers + 2 * layout.bin_count()], collisions: 0 }
+impl<'a> Tally<'a> {
+    pub fn new(layout: Layout<'a>) -> Self {
+        let places = layout.first_ring(false) + layout.edges.len();
+        Self { layout, sums: vec![0.0; places], collisions: 0 }
     }
 
     pub fn count(&mut self, slot: Slot, weight: f64) {
@@ -122,6 +152,15 @@ impl Tally {
         self.sums[SLOTS + self.layout.layers + side + cosine * azimuths + azimuth] += weight;
     }
 
+    /// Scattered light that leaves at a distance (m) from where it fell in, up or down.
+    pub fn place(&mut self, distance: f64, up: bool, weight: f64) {
+        let edges = self.layout.edges;
+        // Within a hole nothing is counted.
+        if let Some(ring) = edges.partition_point(|edge| *edge <= distance).checked_sub(1) {
+            self.sums[self.layout.first_ring(up) + ring] += weight;
+        }
+    }
+
     /// The sums, with those that follow from others.
     fn closed(&self) -> Vec<f64> {
         let mut sums = self.sums.clone();
@@ -135,22 +174,22 @@ impl Tally {
 
 /// The sums of all batches and of their squared deviations.
 #[derive(Debug)]
-pub(super) struct Totals {
-    layout: Layout,
+pub(super) struct Totals<'a> {
+    layout: Layout<'a>,
     batches: u64,
     mean: Vec<f64>,
     deviation: Vec<f64>,
     collisions: u64,
 }
 
-impl Totals {
-    pub fn new(layout: Layout) -> Self {
+impl<'a> Totals<'a> {
+    pub fn new(layout: Layout<'a>) -> Self {
         let zeros = Tally::new(layout).sums;
         Self { layout, batches: 0, mean: zeros.clone(), deviation: zeros, collisions: 0 }
     }
 
     /// One batch more; mean and deviation are carried on as they are, which keeps their digits (`welford1962`).
-    pub fn add(&mut self, tally: &Tally) {
+    pub fn add(&mut self, tally: &Tally<'_>) {
         self.batches += 1;
         self.collisions += tally.collisions;
         let count = self.batches as f64;
@@ -184,6 +223,8 @@ impl Totals {
             power,
             radiance_up: self.radiance(0, size, lost),
             radiance_down: self.radiance(1, size, lost),
+            radial_up: self.radial(true, size, lost),
+            radial_down: self.radial(false, size, lost),
         }
     }
 
@@ -212,5 +253,19 @@ impl Totals {
             self.estimate(first + bin, 1.0 / (size as f64 * projected), lost)
         });
         Some(Radiance { bins: [cosines, azimuths], values: values.collect() })
+    }
+
+    fn radial(&self, up: bool, size: u64, lost: f64) -> Option<RadialCounts> {
+        let (edges, first) = (self.layout.edges, self.layout.first_ring(up));
+        let last = edges.len().checked_sub(1)?;
+        let ring = |ring: usize| {
+            let area = PI * (edges[ring + 1] - edges[ring]) * (edges[ring + 1] + edges[ring]);
+            self.estimate(first + ring, 1.0 / (size as f64 * area), lost / area)
+        };
+        Some(RadialCounts {
+            edges: edges.to_vec(),
+            values: (0..last).map(ring).collect(),
+            beyond: self.estimate(first + last, 1.0 / size as f64, lost),
+        })
     }
 }

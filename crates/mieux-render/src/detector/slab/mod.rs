@@ -35,7 +35,7 @@ use counts::{Layout, Tally, Totals};
 use photon::Slab;
 use source::Start;
 
-pub use counts::{Estimate, Radiance, SlabCounts};
+pub use counts::{Estimate, RadialCounts, Radiance, SlabCounts};
 
 /// Where the photons come from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +44,15 @@ pub enum Source {
     Top(Incidence),
     /// The layers emit them ([`mieux_optics::transfer::Layer::emission`]); shares are of all that is emitted.
     Emission,
+}
+
+/// Rings around a pencil beam, in which the light that leaves is counted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rings {
+    /// Radii of their edges, m, ascending from 0 or more; at least two.
+    pub edges: Vec<f64>,
+    /// Thickness of each layer, m: how far aside light gets is not told by optical thickness. Above 0.
+    pub thickness: Vec<f64>,
 }
 
 /// An experiment: a stack, light, and how many photons are sent.
@@ -61,6 +70,8 @@ pub struct SlabWalk {
     pub seed: u64,
     /// How many bins of the cosine and of the azimuth the light that leaves is sorted into; `None` counts it only.
     pub bins: Option<[usize; 2]>,
+    /// Rings that the light is sorted into by where it leaves, if it falls onto the top, all of it in one point.
+    pub rings: Option<Rings>,
     /// Collisions after which a photon is given up: thick slabs without absorption would hold it for ever. What it
     /// carried is [`SlabCounts::lost`].
     pub most_collisions: u64,
@@ -106,6 +117,14 @@ pub enum SlabWalkError {
         /// Of the azimuth.
         azimuths: usize,
     },
+    /// Edges that do not rise, thicknesses that are none, or light that does not come from the top.
+    #[error(
+        "the rings need ascending radii from 0 up, a thickness above 0 for each of {layers} layers, and light from the top"
+    )]
+    Rings {
+        /// Layers of the stack.
+        layers: usize,
+    },
     /// No layer emits.
     #[error("no layer both absorbs and has a temperature: nothing is emitted")]
     Dark,
@@ -124,7 +143,7 @@ impl SlabWalk {
     /// Light onto the top, no bins.
     pub fn new(stack: Stack, phases: Vec<PhaseFunction>, incidence: Incidence, photons: u64, seed: u64) -> Self {
         let source = Source::Top(incidence);
-        Self { stack, phases, source, photons, seed, bins: None, most_collisions: MOST_COLLISIONS }
+        Self { stack, phases, source, photons, seed, bins: None, rings: None, most_collisions: MOST_COLLISIONS }
     }
 
     /// Sends the photons on all threads of the caller's pool. `progress` is called between rounds of batches; if it
@@ -135,14 +154,16 @@ impl SlabWalk {
     pub fn run(&self, progress: &mut dyn FnMut(SlabProgress) -> Flow) -> Result<SlabCounts, SlabWalkError> {
         self.check()?;
         let start = Start::new(self.source, &self.stack)?;
-        let slab = Slab::new(&self.stack, &self.phases, self.most_collisions);
-        let layout = Layout { layers: self.stack.layers.len(), bins: self.bins };
+        let heights = self.rings.as_ref().map(|rings| rings.thickness.as_slice());
+        let slab = Slab::new(&self.stack, &self.phases, heights, self.most_collisions);
+        let edges = self.rings.as_ref().map_or(&[][..], |rings| &rings.edges);
+        let layout = Layout { layers: self.stack.layers.len(), bins: self.bins, edges };
         let size = self.photons.div_ceil(BATCHES).min(LARGEST_BATCH);
         let batches = self.photons.div_ceil(size);
         let mut totals = Totals::new(layout);
         for first in (0..batches).step_by(ROUND as usize) {
             let round = first..(first + ROUND).min(batches);
-            let tallies: Vec<Tally> =
+            let tallies: Vec<Tally<'_>> =
                 round.clone().into_par_iter().map(|batch| self.batch(&slab, &start, layout, batch, size)).collect();
             // Summed in order, so that the threads leave no trace in the last bits.
             tallies.iter().for_each(|tally| totals.add(tally));
@@ -162,6 +183,9 @@ impl SlabWalk {
         if self.photons == 0 || self.most_collisions == 0 {
             return Err(SlabWalkError::Photons { photons: self.photons, collisions: self.most_collisions });
         }
+        if self.rings.as_ref().is_some_and(|rings| !self.can_be_sorted(rings)) {
+            return Err(SlabWalkError::Rings { layers });
+        }
         match self.bins {
             Some([cosines, azimuths]) if ![cosines, azimuths].iter().all(|n| (1..=1000).contains(n)) => {
                 Err(SlabWalkError::Bins { cosines, azimuths })
@@ -170,8 +194,16 @@ impl SlabWalk {
         }
     }
 
+    fn can_be_sorted(&self, rings: &Rings) -> bool {
+        let finite = |values: &[f64]| values.iter().all(|v| *v >= 0.0 && v.is_finite());
+        let rises = rings.edges.len() >= 2 && rings.edges.windows(2).all(|ends| ends[0] < ends[1]);
+        let heights = rings.thickness.len() == self.stack.layers.len() && rings.thickness.iter().all(|h| *h > 0.0);
+        let on_top = matches!(self.source, Source::Top(_));
+        rises && heights && on_top && finite(&rings.edges) && finite(&rings.thickness)
+    }
+
     /// Photons of a stream of their own.
-    fn batch(&self, slab: &Slab<'_>, start: &Start, layout: Layout, batch: u64, size: u64) -> Tally {
+    fn batch<'a>(&self, slab: &Slab<'_>, start: &Start, layout: Layout<'a>, batch: u64, size: u64) -> Tally<'a> {
         let place = mix(mix(self.seed ^ 0x6d69_6575_785f_736c) ^ batch);
         let state = u128::from(place) << 64 | u128::from(mix(place ^ 0xd1b5_4a32_d192_ed03));
         let mut generator = Pcg64Mcg::new(state);
@@ -267,6 +299,50 @@ mod tests {
         assert!(run(&van_de_hulst(1, 1)).reflectance.error.is_infinite());
     }
 
+    /// What leaves in rings, in the hole and beyond is all that leaves scattered; asking changes nothing else.
+    #[test]
+    fn rings_share_what_leaves() {
+        let (layer, phase) = layer(2.0, 0.9, 0.75);
+        let stack = Stack::slab(layer.with_index(1.4)).over(Ground::Lambertian(0.3));
+        let plain = SlabWalk::new(stack, vec![phase], Incidence::NORMAL, 20_000, 5);
+        let edges = vec![0.0, 1e-4, 1e-3, 3e-3];
+        let ringed = SlabWalk { rings: Some(Rings { edges, thickness: vec![1e-3] }), ..plain.clone() };
+        let (plain, ringed) = (run(&plain), run(&ringed));
+        assert_eq!(plain.reflectance, ringed.reflectance);
+        assert_eq!(plain.absorptance, ringed.absorptance);
+        let sum = |counts: &RadialCounts| {
+            let of_ring = |([from, to], found): ([f64; 2], Estimate)| {
+                found.value * std::f64::consts::PI * (to * to - from * from)
+            };
+            counts.rings().map(of_ring).sum::<f64>() + counts.beyond.value
+        };
+        let up = sum(ringed.radial_up.as_ref().unwrap());
+        assert!((up - (ringed.reflectance.value - ringed.reflectance_specular.value)).abs() < 1e-12);
+        // The ground takes 0.7 of all that meets it; what came unscattered is not in the rings.
+        let down = sum(ringed.radial_down.as_ref().unwrap());
+        let met = (ringed.transmittance.value - ringed.transmittance_unscattered.value) / 0.7;
+        assert!((down - met).abs() < 1e-12, "{down} {met}");
+    }
+
+    /// Light that has been scattered once, in closed form: nearly all of it in a medium that absorbs what is scattered.
+    #[test]
+    fn single_scattering_leaves_where_it_should() {
+        let (layer, phase) = layer(40.0, 0.02, 0.3);
+        let mut walk = SlabWalk::new(Stack::slab(layer.with_index(1.3)), vec![phase], Incidence::NORMAL, 400_000, 8);
+        walk.stack.below = 1.3;
+        walk.rings = Some(Rings { edges: vec![0.2, 0.4, 0.8, 1.6], thickness: vec![40.0] });
+        let medium = mieux_optics::transfer::diffusion::DiffusionMedium::new(0.98, 0.02, 0.3, 1.3).unwrap();
+        let single = mieux_optics::transfer::diffusion::SingleScattering::new(&medium).unwrap();
+        for ([from, to], found) in run(&walk).radial_up.unwrap().rings() {
+            // Simpson's rule over the ring; twice scattered light adds about 2 %.
+            let at = |r: f64| r * single.reflectance(r) * medium.entering();
+            let middle = 0.5 * (from + to);
+            let mean = (at(from) + 4.0 * at(middle) + at(to)) / 6.0 * (to - from) * 2.0 / (to * to - from * from);
+            let allowed = 4.0 * found.error + 0.04 * mean;
+            assert!((found.value - mean).abs() < allowed, "{from}: {found:?} {mean}");
+        }
+    }
+
     #[test]
     fn what_cannot_be_walked_is_refused() {
         let message = |walk: &SlabWalk| walk.run(&mut |_| Flow::Continue).unwrap_err().to_string();
@@ -275,6 +351,10 @@ mod tests {
         assert!(message(&walk).contains("cosine 0 "), "{}", message(&walk));
         walk.source = Source::Top(Incidence::Beam(f64::NAN));
         assert!(message(&walk).contains("NaN"));
+        walk.source = Source::Top(Incidence::NORMAL);
+        walk.rings = Some(Rings { edges: vec![0.0, 2.0, 1.0], thickness: vec![1.0] });
+        assert!(message(&walk).contains("ascending radii"), "{}", message(&walk));
+        walk.rings = None;
         walk.source = Source::Emission;
         assert_eq!(walk.run(&mut |_| Flow::Continue), Err(SlabWalkError::Dark));
         walk.bins = Some([0, 4]);

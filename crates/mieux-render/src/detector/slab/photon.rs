@@ -1,6 +1,6 @@
 //! The way of one photon.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use mieux_optics::phase::PhaseFunction;
 use mieux_optics::transfer::fresnel::dielectric_reflectance;
 use mieux_optics::transfer::{Ground, Stack};
@@ -23,11 +23,15 @@ pub(super) struct Slab<'a> {
     indices: Vec<f64>,
     ground: Ground,
     most_collisions: u64,
+    /// Whether anyone asks where light leaves.
+    placed: bool,
 }
 
 /// A layer.
 struct Matter<'a> {
     thickness: f64,
+    /// The thickness in m; 0 where nobody asks.
+    height: f64,
     albedo: f64,
     /// Optical length from one scattering to the next; infinite where nothing scatters.
     free_path: f64,
@@ -75,6 +79,8 @@ pub(super) struct Photon {
     pub medium: usize,
     /// Optical, from the top of the layer.
     pub depth: f64,
+    /// Sideways from where it fell in, m; stays 0 where nobody asks.
+    pub aside: DVec2,
     /// `z` down; `x` where a beam goes.
     pub direction: DVec3,
     /// Scattering optical length still to go before the next collision.
@@ -102,9 +108,12 @@ pub(super) fn refracted(direction: DVec3, eta: f64) -> DVec3 {
 }
 
 impl<'a> Slab<'a> {
-    pub fn new(stack: &Stack, phases: &'a [PhaseFunction], most_collisions: u64) -> Self {
-        let layers = stack.layers.iter().zip(phases).map(|(layer, phase)| Matter {
+    /// `heights` are the thicknesses of the layers in m, where it is to be known how far aside light comes out.
+    pub fn new(stack: &Stack, phases: &'a [PhaseFunction], heights: Option<&[f64]>, most_collisions: u64) -> Self {
+        let height = |place: usize| heights.and_then(|all| all.get(place)).copied().unwrap_or(0.0);
+        let layers = stack.layers.iter().zip(phases).enumerate().map(|(place, (layer, phase))| Matter {
             thickness: layer.optical_thickness,
+            height: height(place),
             albedo: layer.albedo,
             free_path: if layer.albedo > f64::MIN_POSITIVE { 1.0 / layer.albedo } else { f64::INFINITY },
             loss: 1.0 - layer.albedo,
@@ -112,7 +121,8 @@ impl<'a> Slab<'a> {
         });
         let inner = stack.layers.iter().map(|layer| layer.refractive_index);
         let indices = std::iter::once(stack.above).chain(inner).chain([stack.below]).collect();
-        Self { layers: layers.collect(), indices, ground: stack.ground, most_collisions }
+        let placed = heights.is_some();
+        Self { layers: layers.collect(), indices, ground: stack.ground, most_collisions, placed }
     }
 
     /// Index of a medium over that of another.
@@ -126,24 +136,26 @@ impl<'a> Slab<'a> {
     }
 
     /// From its start to its end, all of which is counted.
-    pub fn follow(&self, photon: Photon, generator: &mut Pcg64Mcg, tally: &mut Tally) {
+    pub fn follow(&self, photon: Photon, generator: &mut Pcg64Mcg, tally: &mut Tally<'_>) {
         let below = self.indices.len() - 1;
         let floor = LEAST * photon.weight;
         let mut walk = Walk { photon, floor, collisions: 0, generator };
         loop {
             let goes_on = match walk.photon.medium {
                 0 => {
-                    let Photon { direction, weight, scattered, .. } = walk.photon;
+                    let Photon { direction, aside, weight, scattered, .. } = walk.photon;
                     tally.count(Slot::Up, weight);
                     if scattered {
                         tally.leave(direction, weight);
+                        tally.place(aside.length(), true, weight);
                     } else {
                         tally.count(Slot::UpUnscattered, weight);
                     }
                     false
                 }
                 medium if medium == below => self.meet_ground(&mut walk, tally),
-                medium => self.travel(medium - 1, &mut walk, tally),
+                medium if self.placed => self.travel::<true>(medium - 1, &mut walk, tally),
+                medium => self.travel::<false>(medium - 1, &mut walk, tally),
             };
             // Surfaces count as collisions here, or light between two mirrors would stay for ever.
             walk.collisions += 1;
@@ -176,11 +188,12 @@ impl<'a> Slab<'a> {
     }
 
     /// Below all layers: what the ground takes is counted, what it returns goes on.
-    fn meet_ground(&self, walk: &mut Walk<'_>, tally: &mut Tally) -> bool {
+    fn meet_ground(&self, walk: &mut Walk<'_>, tally: &mut Tally<'_>) -> bool {
         let share = self.ground.reflectance();
         let photon = &mut walk.photon;
         if photon.scattered {
             tally.leave(photon.direction, photon.weight);
+            tally.place(photon.aside.length(), false, photon.weight);
         }
         let taken = photon.weight * (1.0 - share);
         tally.count(Slot::Down, taken);
@@ -203,13 +216,15 @@ impl<'a> Slab<'a> {
     }
 
     /// Through a layer to one of its planes; false if the photon ends on the way.
-    fn travel(&self, layer: usize, walk: &mut Walk<'_>, tally: &mut Tally) -> bool {
+    fn travel<const PLACED: bool>(&self, layer: usize, walk: &mut Walk<'_>, tally: &mut Tally<'_>) -> bool {
         let matter = &self.layers[layer];
         let exponential = Exponential::get();
         let turn = Turn::get();
         // Copies of their own stay in registers.
         let mut generator = walk.generator.clone();
         let Photon { depth: mut z, mut direction, mut flight, .. } = walk.photon;
+        // Optical length sideways.
+        let mut aside = DVec2::ZERO;
         let mut collisions = 0;
         // Optical length since the last account, and the length at which the next is due.
         let (mut path, mut due) = (0.0, walk.until_floor(matter.loss));
@@ -221,6 +236,9 @@ impl<'a> Slab<'a> {
             }
             z = next;
             path += step;
+            if PLACED {
+                aside += direction.truncate() * step;
+            }
             let bits = generator.next_u64();
             let mu = matter.phase.cosine(((bits >> 32) as f64 + 0.5) * (1.0 / 4_294_967_296.0));
             direction = scattered(direction, mu, turn.angle(bits as u32));
@@ -253,6 +271,15 @@ impl<'a> Slab<'a> {
         let (edge, room) = if direction.z > 0.0 { (matter.thickness, matter.thickness - z) } else { (0.0, z) };
         let length = if room > 0.0 { room / direction.z.abs() } else { 0.0 };
         walk.absorb(layer, matter.loss * (path + length), tally);
+        if PLACED {
+            // What is clear to the eye still has a height.
+            let across = matter.height * direction.truncate();
+            walk.photon.aside += if matter.thickness > 0.0 {
+                (aside * matter.height + across * length) / matter.thickness
+            } else {
+                across / direction.z.abs()
+            };
+        }
         (walk.photon.depth, walk.photon.direction) = (edge, direction);
         // Where nothing scatters the length may be infinite, but none of the flight is used up.
         walk.photon.flight = if matter.albedo > 0.0 { (flight - matter.albedo * length).max(0.0) } else { flight };
@@ -262,7 +289,7 @@ impl<'a> Slab<'a> {
 
 impl Walk<'_> {
     /// Leaves in a layer what is absorbed over a length of this absorption.
-    fn absorb(&mut self, layer: usize, absorption: f64, tally: &mut Tally) {
+    fn absorb(&mut self, layer: usize, absorption: f64, tally: &mut Tally<'_>) {
         if absorption > 0.0 {
             tally.absorb(layer, self.photon.weight * -(-absorption).exp_m1());
             self.photon.weight *= (-absorption).exp();

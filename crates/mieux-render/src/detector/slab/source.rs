@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use mieux_optics::transfer::fresnel::dielectric_reflectance;
 use mieux_optics::transfer::{Incidence, Layer, Stack, TransferError};
 use rand_core::Rng;
@@ -79,7 +79,7 @@ impl Start {
         slab: &Slab<'_>,
         even: [f64; 2],
         generator: &mut Pcg64Mcg,
-        tally: &mut Tally,
+        tally: &mut Tally<'_>,
     ) -> Option<Photon> {
         let flight = -(-even[1]).ln_1p();
         match self {
@@ -102,7 +102,7 @@ fn entering(
     even: f64,
     flight: f64,
     generator: &mut Pcg64Mcg,
-    tally: &mut Tally,
+    tally: &mut Tally<'_>,
 ) -> Option<Photon> {
     // Flux from all directions alike falls in with a density of 2 cos.
     let cosine = beam.unwrap_or_else(|| (1.0 - even).sqrt());
@@ -113,7 +113,15 @@ fn entering(
     tally.count(Slot::Up, reflected);
     tally.count(Slot::UpUnscattered, reflected);
     let direction = refracted(DVec3::new(sine * x, sine * y, cosine), eta);
-    let photon = Photon { medium: 1, depth: 0.0, direction, flight, weight: 1.0 - reflected, scattered: false };
+    let photon = Photon {
+        medium: 1,
+        depth: 0.0,
+        aside: DVec2::ZERO,
+        direction,
+        flight,
+        weight: 1.0 - reflected,
+        scattered: false,
+    };
     (reflected < 1.0).then_some(photon)
 }
 
@@ -138,5 +146,5 @@ fn emerging(
     let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
     let (x, y) = Turn::get().angle(generator.next_u64() as u32);
     let direction = DVec3::new(sine * x, sine * y, cosine);
-    Photon { medium: layer + 1, depth, direction, flight, weight: 1.0, scattered: true }
+    Photon { medium: layer + 1, depth, aside: DVec2::ZERO, direction, flight, weight: 1.0, scattered: true }
 }
