@@ -464,7 +464,8 @@ mod tests {
         assert_eq!(found.paints.reference(), "white");
         assert!(found.ratio_only.is_empty());
         let off = (found.paints.surface().specular - 0.25).abs();
-        assert!(off < 0.02 && off < 4.0 * found.specular_error, "{off} {}", found.specular_error);
+        // Readings of the assumed precision tell it to 0.3; exact ones do better.
+        assert!(off < 0.1 && off < found.specular_error, "{off} {}", found.specular_error);
         for (paint, (name, [k, s])) in found.paints.paints().iter().zip(&truth) {
             assert_eq!(paint.name, *name);
             for i in 0..k.len() {

@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn little_absorption_keeps_its_digits_and_much_ends_in_darkness() {
-        assert_eq!(Napierian::over(1e-8, 1e-8).unwrap().absorptance(), 1e-16);
+        assert!((Napierian::over(1e-8, 1e-8).unwrap().absorptance() / 1e-16 - 1.0).abs() < 1e-14);
         assert_eq!(Napierian::over(1e6, 1.0).unwrap().transmittance(), 0.0);
         assert_eq!(mean_free_path(0.0).unwrap(), f64::INFINITY);
         assert_eq!(mean_free_path(250.0).unwrap(), 4e-3);

@@ -112,10 +112,10 @@ mod tests {
                     for internal in [1e-6, 0.05, 0.5, 0.9, 0.999] {
                         let back = surface.internal(surface.measured(internal)).unwrap();
                         assert!((back - internal).abs() < 1e-9, "{surface:?} {internal}: {back}");
-                        let step = 1e-6 * internal;
+                        let step = 1e-3 * internal * (1.0 - internal);
                         let slope =
                             (surface.measured(internal + step) - surface.measured(internal - step)) / (2.0 * step);
-                        assert!((slope / surface.slope(internal) - 1.0).abs() < 1e-6);
+                        assert!((slope / surface.slope(internal) - 1.0).abs() < 1e-4);
                     }
                 }
             }
