@@ -79,6 +79,7 @@ impl Bars {
                 (None, "mie     {bar:30} {human_pos} of about {human_len} particles, {per_sec}, {eta} left")
             }
             Stage::Phase => (Some(1), "phase   {bar:30} {pos}/{len} functions"),
+            Stage::Paints => (None, "paints  {spinner} {elapsed} so far"),
             Stage::Write => (None, "writing the results"),
         };
         let bar = ProgressBar::with_draw_target(length, target(self.shown));

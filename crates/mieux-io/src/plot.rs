@@ -10,6 +10,7 @@ mod mie;
 mod optics;
 mod phase;
 mod polar;
+mod swatch;
 
 use kuva::plot::line::LineStyle;
 use kuva::plot::{LegendPosition, LinePlot, ScatterPlot};
@@ -22,6 +23,7 @@ pub use mie::{SizePlot, efficiency_figure, phase_figure, polarisation_figure};
 pub use optics::{OpticsPlot, optics_figure, optics_svg};
 pub use phase::comparison_figure;
 pub use polar::PolarPanel;
+pub use swatch::{hex, swatch_figure};
 
 /// Colours that most people tell apart (Okabe and Ito), and dashes for those who do not.
 const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#333333"];

@@ -75,6 +75,25 @@ impl PaintSet {
         Ok(Self { scattering: Some(value), ..self })
     }
 
+    /// The same paints at those of their wavelengths that lie within a range (m), both ends included.
+    ///
+    /// # Errors
+    /// [`PaintError::Spectrum`] when none does.
+    pub fn within(&self, (from, to): (f64, f64)) -> Result<Self, PaintError> {
+        let inside: Vec<bool> = self.grid.iter().map(|w| w >= from * (1.0 - 1e-12) && w <= to * (1.0 + 1e-12)).collect();
+        let keep = |values: &[f64]| {
+            values.iter().zip(&inside).filter(|(_, inside)| **inside).map(|(value, _)| *value).collect::<Vec<f64>>()
+        };
+        let paints = self.paints.iter().map(|paint| Paint {
+            name: paint.name.clone(),
+            k: keep(&paint.k),
+            s: keep(&paint.s),
+            k_error: keep(&paint.k_error),
+            s_error: keep(&paint.s_error),
+        });
+        Ok(Self { grid: WavelengthGrid::new(keep(self.grid.as_slice()))?, paints: paints.collect(), ..self.clone() })
+    }
+
     /// The wavelengths, m.
     pub fn grid(&self) -> &WavelengthGrid {
         &self.grid
@@ -198,6 +217,13 @@ mod tests {
         let y = |backing: f64| set.daylight().xyz(&set.reflectance_over(&grey, thickness, backing).unwrap())[1];
         assert!((y(0.0) / y(0.8) - 0.98).abs() < 1e-9, "{thickness}");
         assert!(thickness > 1e-6 && thickness < 1e-3);
+    }
+
+    #[test]
+    fn a_part_of_the_spectrum_is_a_set_of_its_own() {
+        let part = set().within((500e-9, 600e-9)).unwrap();
+        assert_eq!((part.grid().len(), part.paints()[0].k.len(), part.reference()), (11, 11, "white"));
+        assert!(set().within((800e-9, 900e-9)).is_err());
     }
 
     #[test]

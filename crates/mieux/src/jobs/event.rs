@@ -13,6 +13,8 @@ pub enum Stage {
     Spheres,
     /// Computing phase functions; counted in functions.
     Phase,
+    /// Fitting or matching paints; not counted.
+    Paints,
     /// Writing files; counted in files.
     Write,
 }

@@ -6,6 +6,7 @@ mod error;
 mod event;
 mod mie;
 mod optics;
+mod paint;
 mod phase;
 mod render;
 mod sheet;
@@ -16,6 +17,9 @@ pub use error::JobError;
 pub use event::{Context, Event, Stage};
 pub use mie::{Coat, Definition, Directional, Mie, MieBatch, MieBatchReport, MieReport, MieSheet, Particle};
 pub use optics::{Optics, OpticsReport};
+pub use paint::{
+    HoldOut, PaintFit, PaintFitReport, PaintMatch, PaintMatchReport, PaintMix, PaintMixReport, PaintTarget, SampleFit, Shown,
+};
 pub use phase::{Comparand, Compared, FitKind, Named, Phase, PhaseModel, PhaseReport, PhaseSheet};
 pub use render::{Render, RenderReport, Stop};
 pub use sheet::{Made, OpticsSheet};
@@ -34,6 +38,12 @@ pub enum Job {
     MieBatch(MieBatch),
     /// How scattered light spreads over angle.
     Phase(Phase),
+    /// K and S of paints from measurements.
+    PaintFit(PaintFit),
+    /// What a mixture of paints looks like.
+    PaintMix(PaintMix),
+    /// A recipe for a wanted colour.
+    PaintMatch(PaintMatch),
 }
 
 /// What a job leaves besides its files.
@@ -49,6 +59,12 @@ pub enum Report {
     MieBatch(Box<MieBatchReport>),
     /// Of [`Job::Phase`].
     Phase(Box<PhaseReport>),
+    /// Of [`Job::PaintFit`].
+    PaintFit(Box<PaintFitReport>),
+    /// Of [`Job::PaintMix`].
+    PaintMix(Box<PaintMixReport>),
+    /// Of [`Job::PaintMatch`].
+    PaintMatch(Box<PaintMatchReport>),
 }
 
 impl Job {
@@ -63,6 +79,9 @@ impl Job {
             Self::Mie(job) => job.run(context).map(|report| Report::Mie(Box::new(report))),
             Self::MieBatch(job) => job.run(context).map(|report| Report::MieBatch(Box::new(report))),
             Self::Phase(job) => job.run(context).map(|report| Report::Phase(Box::new(report))),
+            Self::PaintFit(job) => job.run(context).map(|report| Report::PaintFit(Box::new(report))),
+            Self::PaintMix(job) => job.run(context).map(|report| Report::PaintMix(Box::new(report))),
+            Self::PaintMatch(job) => job.run(context).map(|report| Report::PaintMatch(Box::new(report))),
         }
     }
 }
