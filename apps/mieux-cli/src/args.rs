@@ -8,6 +8,7 @@ use mieux::io::recipe::{RecipeError, parse_setting};
 use mieux::jobs::{Optics, Render, Stop};
 
 use crate::mie::MieArgs;
+use crate::paint::PaintCommand;
 use crate::phase::PhaseArgs;
 
 /// What a material looks like, from what it is made of.
@@ -35,6 +36,9 @@ pub enum Command {
     Mie(MieArgs),
     /// Compute how scattered light spreads over angle, and compare phase functions
     Phase(PhaseArgs),
+    /// Fit paints to measurements, mix them, and find recipes for colours
+    #[command(subcommand)]
+    Paint(PaintCommand),
     /// Print a completion script for a shell
     Completions {
         /// Shell to complete for

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
+use mieux::io::paint::PaintFileError;
 use mieux::io::recipe::RecipeError;
 use mieux::jobs::JobError;
 
@@ -66,7 +67,9 @@ impl Failure {
         let mut diagnostic = MietteDiagnostic::new(error.to_string());
         diagnostic.help = error.help();
         let mut report = Report::new(diagnostic.clone());
-        if let JobError::Recipe(RecipeError::Text(text)) = error.as_ref() {
+        if let JobError::Recipe(RecipeError::Text(text)) | JobError::PaintFile(PaintFileError::Text(text)) =
+            error.as_ref()
+        {
             let label = LabeledSpan::new_with_span(Some("here".into()), text.span.clone());
             report = Report::new(diagnostic.with_label(label))
                 .with_source_code(NamedSource::new(&text.name, text.text.clone()).with_language("toml"));

@@ -3,6 +3,7 @@
 mod args;
 mod failure;
 mod mie;
+mod paint;
 mod phase;
 mod progress;
 mod show;
@@ -48,6 +49,15 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
             let format = args.format;
             if let Report::Phase(report) = run_job(&Job::Phase(args.job()?), format == Format::Table)? {
                 phase::show(&report, format)?;
+            }
+        }
+        Command::Paint(command) => {
+            let (job, format) = command.job()?;
+            match run_job(&job, format == Format::Table)? {
+                Report::PaintFit(report) => paint::show_fit(&report, format)?,
+                Report::PaintMix(report) => paint::show_mix(&report, format)?,
+                Report::PaintMatch(report) => paint::show_match(&report, format)?,
+                _ => {}
             }
         }
         Command::Render(args) => {

@@ -21,7 +21,9 @@ fn read(path: &str) -> Option<Measurements> {
     let samples = entries[1..].iter().map(|entry| {
         let name = entry["name"].as_str().expect("a name").to_owned();
         let recipe = match entry.get("components").and_then(|parts| parts.as_object()) {
-            Some(parts) => Recipe::new(parts.iter().map(|(name, share)| (name.clone(), share.as_f64().expect("a share")))),
+            Some(parts) => {
+                Recipe::new(parts.iter().map(|(name, share)| (name.clone(), share.as_f64().expect("a share"))))
+            }
             None => Ok(Recipe::pure(&name)),
         };
         Sample { name, recipe: recipe.expect("a recipe"), reflectance: numbers(&entry["reflectance"], 0.01) }

@@ -106,7 +106,8 @@ pub fn parse_paints(name: &str, text: &str) -> Result<PaintSet, PaintFileError> 
     let Surface { external, internal, specular } = file.surface;
     let paint = |Entry { name, k, s, k_error, s_error }| Paint { name, k, s, k_error, s_error };
     let paints = file.paints.into_iter().map(paint).collect();
-    let set = PaintSet::new(grid, Saunderson { external, internal, specular }, file.reference, paints).map_err(wrong)?;
+    let set =
+        PaintSet::new(grid, Saunderson { external, internal, specular }, file.reference, paints).map_err(wrong)?;
     match file.reference_scattering_per_m {
         Some(scattering) => set.with_scattering(scattering).map_err(wrong),
         None => Ok(set),
@@ -120,7 +121,15 @@ pub fn parse_paints(name: &str, text: &str) -> Result<PaintSet, PaintFileError> 
 pub fn write_residuals(out: impl Write, rows: &[(&Leftover, bool)]) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
     csv.write_record([
-        "sample", "held_out", "l_measured", "a_measured", "b_measured", "l_predicted", "a_predicted", "b_predicted", "ciede2000",
+        "sample",
+        "held_out",
+        "l_measured",
+        "a_measured",
+        "b_measured",
+        "l_predicted",
+        "a_predicted",
+        "b_predicted",
+        "ciede2000",
         "rms_reflectance",
     ])?;
     for (left, held_out) in rows {

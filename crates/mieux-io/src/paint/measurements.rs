@@ -132,7 +132,8 @@ struct Columns {
 }
 
 fn columns(name: &str, text: &str) -> Result<Columns, PaintFileError> {
-    let cell = |line: u64, column: usize, problem: String| PaintFileError::Cell { name: name.into(), line, column, problem };
+    let cell =
+        |line: u64, column: usize, problem: String| PaintFileError::Cell { name: name.into(), line, column, problem };
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
@@ -142,7 +143,8 @@ fn columns(name: &str, text: &str) -> Result<Columns, PaintFileError> {
     let mut names: Option<Vec<String>> = None;
     let (mut metres, mut values, mut last) = (Vec::new(), Vec::new(), 1);
     for record in reader.records() {
-        let record = record.map_err(|error| cell(error.position().map_or(last, csv::Position::line), 1, error.to_string()))?;
+        let record =
+            record.map_err(|error| cell(error.position().map_or(last, csv::Position::line), 1, error.to_string()))?;
         let line = record.position().map_or(last, csv::Position::line);
         last = line;
         let Some(names) = &names else {
@@ -178,8 +180,12 @@ fn columns(name: &str, text: &str) -> Result<Columns, PaintFileError> {
 fn parse_csv(name: &str, text: &str) -> Result<Measurements, PaintFileError> {
     let Columns { names, grid, values } = columns(name, text)?;
     let sample = |(i, (header, reflectance)): (usize, (String, Vec<f64>))| {
-        let recipe = parse_recipe(&header)
-            .map_err(|problem| PaintFileError::Cell { name: name.into(), line: 1, column: i + 2, problem })?;
+        let recipe = parse_recipe(&header).map_err(|problem| PaintFileError::Cell {
+            name: name.into(),
+            line: 1,
+            column: i + 2,
+            problem,
+        })?;
         Ok::<_, PaintFileError>(Sample { name: header, recipe, reflectance })
     };
     let samples = names.into_iter().zip(values).enumerate().map(sample).collect::<Result<_, _>>()?;

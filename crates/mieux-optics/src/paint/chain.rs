@@ -94,7 +94,8 @@ fn inverse(a: &[f64], n: usize) -> Option<Vec<f64>> {
     for i in 0..n {
         for j in 0..=i {
             let (before, rest) = l.split_at(i * n);
-            let (row_i, row_j) = if i == j { (&rest[..j], &rest[..j]) } else { (&rest[..j], &before[j * n..j * n + j]) };
+            let (row_i, row_j) =
+                if i == j { (&rest[..j], &rest[..j]) } else { (&rest[..j], &before[j * n..j * n + j]) };
             let sum = a[i * n + j] - row_i.iter().zip(row_j).map(|(x, y)| x * y).sum::<f64>();
             if i == j {
                 if !(sum > 0.0 && sum.is_finite()) {

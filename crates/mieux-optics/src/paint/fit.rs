@@ -37,13 +37,7 @@ pub struct FitOptions {
 impl FitOptions {
     /// For readings of usual precision under this surface.
     pub fn new(surface: Surface) -> Self {
-        Self {
-            reference: None,
-            surface,
-            noise: [0.0005, 0.01],
-            scattering: [-1.0, 1.6],
-            roughness: [0.5, 0.15],
-        }
+        Self { reference: None, surface, noise: [0.0005, 0.01], scattering: [-1.0, 1.6], roughness: [0.5, 0.15] }
     }
 }
 
@@ -379,7 +373,8 @@ impl<'a> Problem<'a> {
         }
         let specular = 0.5 * (low + high);
         let step = (0.05 * most).min(specular).max(1e-3 * most);
-        let curvature = (cost(specular + step)? - 2.0 * cost(specular)? + cost((specular - step).max(0.0))?) / (step * step);
+        let curvature =
+            (cost(specular + step)? - 2.0 * cost(specular)? + cost((specular - step).max(0.0))?) / (step * step);
         let error = if curvature > 0.0 { curvature.sqrt().recip() } else { f64::INFINITY };
         Ok((surface.with_specular(specular), error))
     }
@@ -470,7 +465,10 @@ mod tests {
             assert_eq!(paint.name, *name);
             for i in 0..k.len() {
                 let (k_off, s_off) = ((paint.k[i] / k[i]).ln().abs(), (paint.s[i] / s[i]).ln().abs());
-                assert!(k_off < 0.05 + paint.k_error[i] && s_off < 0.05 + paint.s_error[i], "{name} {i}: {k_off} {s_off}");
+                assert!(
+                    k_off < 0.05 + paint.k_error[i] && s_off < 0.05 + paint.s_error[i],
+                    "{name} {i}: {k_off} {s_off}"
+                );
             }
         }
         assert!(found.leftovers.iter().all(|left| left.ciede2000 < 0.1), "{:?}", found.leftovers);
@@ -486,7 +484,12 @@ mod tests {
         let [white, blue, red] = found.paints.paints() else { panic!() };
         assert!(white.s_error.iter().all(|e| *e == 0.0));
         let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
-        assert!(mean(&red.s_error) > 1.0 && mean(&blue.s_error) < 0.3, "{} {}", mean(&red.s_error), mean(&blue.s_error));
+        assert!(
+            mean(&red.s_error) > 1.0 && mean(&blue.s_error) < 0.3,
+            "{} {}",
+            mean(&red.s_error),
+            mean(&blue.s_error)
+        );
         // Left out, the tints are foretold within what the belief allows and no better.
         let out = measurements.filtered(|i, _| i == 5 || i == 6);
         assert_eq!(found.predict(&out).unwrap().len(), 2);

@@ -163,7 +163,8 @@ impl Search<'_> {
         let leaders = if N == 1 { 0 } else { N };
         for leader in 0..=leaders {
             let start: [f64; N] = std::array::from_fn(|i| if leader == N || leader == i { 1.0 } else { 0.2 });
-            let found = minimise(start, self.count(), |x, out| self.residuals(&self.reflectance(paints, &shares(x)), out));
+            let found =
+                minimise(start, self.count(), |x, out| self.residuals(&self.reflectance(paints, &shares(x)), out));
             let distance = found.cost.sqrt();
             if distance < best.distance {
                 best = Tried { shares: shares(&found.at).to_vec(), distance, ..best };

@@ -144,7 +144,10 @@ impl Recipe {
             let percent = 100.0 * share;
             let digits = if percent < 10.0 { 2 } else { 1 };
             let text = format!("{percent:.digits$}");
-            format!("{} % {name}", if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text })
+            format!(
+                "{} % {name}",
+                if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text }
+            )
         };
         self.0.iter().map(part).collect::<Vec<_>>().join(" + ")
     }
@@ -234,8 +237,7 @@ mod tests {
 
     #[test]
     fn recipes_are_shares_of_one() {
-        let recipe =
-            Recipe::new([("white".into(), 2.1), ("blue".into(), 0.9), ("red".into(), 0.0)]).unwrap();
+        let recipe = Recipe::new([("white".into(), 2.1), ("blue".into(), 0.9), ("red".into(), 0.0)]).unwrap();
         assert_eq!(recipe.parts().len(), 2);
         assert!((recipe.parts()[0].1 - 0.7).abs() < 1e-15);
         assert_eq!(recipe.describe(), "70 % white + 30 % blue");

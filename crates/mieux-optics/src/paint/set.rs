@@ -70,7 +70,9 @@ impl PaintSet {
     /// [`PaintError::Film`] unless it is finite and above 0.
     pub fn with_scattering(self, value: f64) -> Result<Self, PaintError> {
         if !(value > 0.0 && value.is_finite()) {
-            return Err(KubelkaMunkError::Negative { quantity: "scattering coefficient of the reference", value }.into());
+            return Err(
+                KubelkaMunkError::Negative { quantity: "scattering coefficient of the reference", value }.into()
+            );
         }
         Ok(Self { scattering: Some(value), ..self })
     }
@@ -80,7 +82,8 @@ impl PaintSet {
     /// # Errors
     /// [`PaintError::Spectrum`] when none does.
     pub fn within(&self, (from, to): (f64, f64)) -> Result<Self, PaintError> {
-        let inside: Vec<bool> = self.grid.iter().map(|w| w >= from * (1.0 - 1e-12) && w <= to * (1.0 + 1e-12)).collect();
+        let inside: Vec<bool> =
+            self.grid.iter().map(|w| w >= from * (1.0 - 1e-12) && w <= to * (1.0 + 1e-12)).collect();
         let keep = |values: &[f64]| {
             values.iter().zip(&inside).filter(|(_, inside)| **inside).map(|(value, _)| *value).collect::<Vec<f64>>()
         };
@@ -146,7 +149,10 @@ impl PaintSet {
     /// [`PaintError::Unknown`].
     pub fn reflectance(&self, recipe: &Recipe) -> Result<Vec<f64>, PaintError> {
         let mixture = self.mixture(recipe)?;
-        mixture.into_iter().map(|(k, s)| Ok(self.surface.measured(Film::new(k, s, 0.0)?.reflectance_infinite()))).collect()
+        mixture
+            .into_iter()
+            .map(|(k, s)| Ok(self.surface.measured(Film::new(k, s, 0.0)?.reflectance_infinite())))
+            .collect()
     }
 
     /// That of a film (m) over a backing of known reflectance in optical contact, the same at every wavelength.

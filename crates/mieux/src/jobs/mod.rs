@@ -18,7 +18,8 @@ pub use event::{Context, Event, Stage};
 pub use mie::{Coat, Definition, Directional, Mie, MieBatch, MieBatchReport, MieReport, MieSheet, Particle};
 pub use optics::{Optics, OpticsReport};
 pub use paint::{
-    HoldOut, PaintFit, PaintFitReport, PaintMatch, PaintMatchReport, PaintMix, PaintMixReport, PaintTarget, SampleFit, Shown,
+    HoldOut, PaintFit, PaintFitReport, PaintMatch, PaintMatchReport, PaintMix, PaintMixReport, PaintTarget, SampleFit,
+    Shown,
 };
 pub use phase::{Comparand, Compared, FitKind, Named, Phase, PhaseModel, PhaseReport, PhaseSheet};
 pub use render::{Render, RenderReport, Stop};

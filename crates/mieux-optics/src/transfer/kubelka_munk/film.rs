@@ -149,7 +149,11 @@ pub fn mix(parts: impl IntoIterator<Item = (f64, f64, f64)>) -> Result<(f64, f64
         k_sum += amount * natural("absorption coefficient K", k)?;
         s_sum += amount * natural("scattering coefficient S", s)?;
     }
-    if total > 0.0 { Ok((k_sum / total, s_sum / total)) } else { Err(KubelkaMunkError::TooFew { found: 0, unknowns: 1 }) }
+    if total > 0.0 {
+        Ok((k_sum / total, s_sum / total))
+    } else {
+        Err(KubelkaMunkError::TooFew { found: 0, unknowns: 1 })
+    }
 }
 
 #[cfg(test)]

@@ -89,8 +89,7 @@ impl Ladder<'_> {
     }
 
     fn natural(&self, p: &[f64; 4]) -> [f64; 4] {
-        let external =
-            if self.fit_external { self.most() / (1.0 + (-p[3]).exp()) } else { self.surface.external };
+        let external = if self.fit_external { self.most() / (1.0 + (-p[3]).exp()) } else { self.surface.external };
         [p[0].exp(), p[1].exp(), p[2].exp(), external]
     }
 

@@ -25,7 +25,9 @@ pub fn from_two_backings(pairs: [(f64, f64); 2], thickness: f64) -> Result<Film,
         return Err(KubelkaMunkError::NoFilm { why: "both backings are alike" });
     }
     if !((r1 - r2) * (g1 - g2) > 0.0) {
-        return Err(KubelkaMunkError::NoFilm { why: "it is not lighter over the lighter backing; an opaque film gives K/S only" });
+        return Err(KubelkaMunkError::NoFilm {
+            why: "it is not lighter over the lighter backing; an opaque film gives K/S only",
+        });
     }
     let a = 0.5 * ((1.0 + r1 * g1) * (g2 - r2) - (1.0 + r2 * g2) * (g1 - r1)) / (r1 * g2 - r2 * g1);
     // Rounding of readings without absorption may end a little below 1.
@@ -165,8 +167,8 @@ mod tests {
     fn an_opaque_film_and_a_thin_one_give_it_back() {
         for (k, s, d) in FILMS.into_iter().filter(|film| film.0 > 1e-2) {
             let film = Film::new(k, s, d).unwrap();
-            let found =
-                from_infinite_and_one(film.reflectance_infinite(), 0.5, film.reflectance_over(0.5).unwrap(), d).unwrap();
+            let found = from_infinite_and_one(film.reflectance_infinite(), 0.5, film.reflectance_over(0.5).unwrap(), d)
+                .unwrap();
             close(&found, k, s, 1e-8);
         }
     }

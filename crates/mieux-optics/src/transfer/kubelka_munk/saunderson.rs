@@ -55,7 +55,9 @@ impl Saunderson {
     /// # Errors
     /// [`KubelkaMunkError::Share`].
     pub fn checked(self) -> Result<Self, KubelkaMunkError> {
-        for (quantity, value) in [("external reflectance k1", self.external), ("internal reflectance k2", self.internal)] {
+        for (quantity, value) in
+            [("external reflectance k1", self.external), ("internal reflectance k2", self.internal)]
+        {
             if share(quantity, value)? == 1.0 {
                 return Err(KubelkaMunkError::Share { quantity, value });
             }

@@ -202,8 +202,8 @@ mod tests {
                         let found = shares(&stack, incidence).unwrap();
                         let sum = found.reflectance + found.transmittance + found.absorptance;
                         assert!((sum - 1.0).abs() < 1e-9, "{tau} {albedo} {ground:?} {incidence:?}: {found:?}");
-                        let exact = DiscreteOrdinates::with_streams(64).unwrap().shares(&stack, incidence).unwrap();
-                        let digits = if incidence == Incidence::Diffuse { 2e-3 } else { 1e-10 };
+                        let exact = DiscreteOrdinates::with_streams(16).unwrap().shares(&stack, incidence).unwrap();
+                        let digits = if incidence == Incidence::Diffuse { 5e-3 } else { 1e-10 };
                         let off = (found.reflectance_specular - exact.reflectance_specular).abs()
                             + (found.transmittance_unscattered - exact.transmittance_unscattered).abs();
                         assert!(off < digits, "{tau} {albedo} {ground:?} {incidence:?}: {found:?} {exact:?}");

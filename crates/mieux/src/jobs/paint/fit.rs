@@ -7,9 +7,11 @@ use mieux_io::paint::{paints_to_toml, read_measurements, write_residuals};
 use mieux_io::plot::{Figure, Panel, Scale, Series, swatch_figure};
 use mieux_io::quantity::Length;
 use mieux_optics::paint::{self, FitOptions, Leftover, Measurements, PaintError, PaintSet, Recipe, Surface};
+use mieux_optics::spectrum::Lab;
 use mieux_optics::spectrum::colour::xyz_to_linear_srgb;
 use mieux_optics::transfer::kubelka_munk::{Chart, Saunderson};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use crate::jobs::{Context, Event, JobError, Stage};
 
@@ -84,6 +86,33 @@ impl PaintFitReport {
         let of: Vec<f64> =
             self.samples.iter().filter(|s| s.held_out == held_out).map(|s| s.leftover.ciede2000).collect();
         (!of.is_empty()).then(|| of.iter().sum::<f64>() / of.len() as f64)
+    }
+
+    /// All but the paints themselves, which have a file of their own.
+    pub fn json(&self) -> Value {
+        let surface = self.paints.surface();
+        let lab = |lab: Lab| json!([lab.l, lab.a, lab.b]);
+        let sample = |s: &SampleFit| {
+            json!({
+                "name": s.leftover.name,
+                "held_out": s.held_out,
+                "lab_measured": lab(s.leftover.measured),
+                "lab_predicted": lab(s.leftover.predicted),
+                "ciede2000": s.leftover.ciede2000,
+                "rms_reflectance": s.leftover.rms,
+            })
+        };
+        json!({
+            "reference": self.paints.reference(),
+            "reference_scattering_per_m": self.paints.scattering(),
+            "paints": self.paints.paints().iter().map(|paint| paint.name.clone()).collect::<Vec<_>>(),
+            "surface": {"external": surface.external, "internal": surface.internal, "specular": surface.specular},
+            "specular_error": self.specular_error,
+            "ratio_only": self.ratio_only,
+            "mean_ciede2000_fitted": self.mean_ciede2000(false),
+            "mean_ciede2000_held_out": self.mean_ciede2000(true),
+            "samples": self.samples.iter().map(sample).collect::<Vec<_>>(),
+        })
     }
 }
 
@@ -174,7 +203,8 @@ fn coefficients(set: &PaintSet) -> Figure {
     let nanometres: Vec<f64> = set.grid().iter().map(|w| w * 1e9).collect();
     let unit = format!("relative to S of {}", set.reference());
     let panel = |title: String, letter: &str| {
-        Panel::new(title, "Wavelength in vacuum (nm)", format!("{letter}, {unit}")).with_scales(Scale::Linear, Scale::Log)
+        Panel::new(title, "Wavelength in vacuum (nm)", format!("{letter}, {unit}"))
+            .with_scales(Scale::Linear, Scale::Log)
     };
     let mut figure = Figure::new("Absorption K and scattering S of paints", 2);
     // More lines than that cannot be told apart.
@@ -199,7 +229,7 @@ fn swatches(set: &PaintSet, samples: &[SampleFit]) -> String {
         if samples[..i].iter().any(|other| other.leftover.name == leftover.name) {
             continue;
         }
-        let rgb = |lab: mieux_optics::spectrum::Lab| xyz_to_linear_srgb(lab.to_xyz(white));
+        let rgb = |lab: Lab| xyz_to_linear_srgb(lab.to_xyz(white));
         patches.push((leftover.name.clone(), rgb(leftover.measured)));
         patches.push((format!("as fitted, ΔE {:.2}", leftover.ciede2000), rgb(leftover.predicted)));
     }

@@ -7,8 +7,9 @@ use std::str::FromStr;
 use mieux_io::paint::read_spectrum;
 use mieux_optics::paint::{PaintSet, Target, find_recipe};
 use mieux_optics::spectrum::Lab;
-use mieux_optics::spectrum::colour::{linear_srgb_to_xyz, srgb_decode};
+use mieux_optics::spectrum::colour::{linear_srgb_to_xyz, srgb_decode, xyz_to_linear_srgb};
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::{Shown, paints};
 use crate::jobs::{Context, Event, JobError, Stage};
@@ -66,7 +67,9 @@ impl FromStr for PaintTarget {
             let numbers: Vec<f64> =
                 numbers.split(',').map(|n| n.trim().parse().map_err(|_| wrong(allowed))).collect::<Result<_, _>>()?;
             return match numbers[..] {
-                [l, a, b] if (0.0..=100.0).contains(&l) && a.abs() <= 500.0 && b.abs() <= 500.0 => Ok(Self::Lab([l, a, b])),
+                [l, a, b] if (0.0..=100.0).contains(&l) && a.abs() <= 500.0 && b.abs() <= 500.0 => {
+                    Ok(Self::Lab([l, a, b]))
+                }
                 _ => Err(wrong(allowed)),
             };
         }
@@ -116,6 +119,17 @@ pub struct PaintMatchReport {
     pub rms: Option<f64>,
 }
 
+impl PaintMatchReport {
+    /// All of it.
+    pub fn json(&self) -> Value {
+        let mut all = self.shown.json();
+        all["wanted_lab"] = json!([self.wanted.l, self.wanted.a, self.wanted.b]);
+        all["ciede2000"] = json!(self.ciede2000);
+        all["rms_reflectance"] = json!(self.rms);
+        all
+    }
+}
+
 impl PaintMatch {
     /// So many paints reach every colour that any number of them reaches.
     pub const DEFAULT_AT_MOST: usize = 4;
@@ -132,7 +146,7 @@ impl PaintMatch {
         context.say(Event::Begin(Stage::Paints));
         let found = find_recipe(&set, &target, self.at_most)?;
         context.say(Event::End(Stage::Paints));
-        let wanted_linear_srgb = mieux_optics::spectrum::colour::xyz_to_linear_srgb(xyz);
+        let wanted_linear_srgb = xyz_to_linear_srgb(xyz);
         let shown = Shown::new(&set, found.recipe, found.reflectance);
         Ok(PaintMatchReport { shown, wanted, wanted_linear_srgb, ciede2000: found.ciede2000, rms: found.rms })
     }

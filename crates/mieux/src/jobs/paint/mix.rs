@@ -7,6 +7,7 @@ use mieux_io::quantity::Length;
 use mieux_optics::paint::Recipe;
 use mieux_optics::transfer::kubelka_munk::Chart;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::{Shown, named, paints};
 use crate::jobs::{Context, JobError};
@@ -34,6 +35,15 @@ pub struct PaintMixReport {
     pub shown: Shown,
     /// Thickness (m) at which it hides a black and white chart, where the file says how much its reference scatters.
     pub hiding_thickness: Option<f64>,
+}
+
+impl PaintMixReport {
+    /// All of it.
+    pub fn json(&self) -> Value {
+        let mut all = self.shown.json();
+        all["hiding_thickness_m"] = json!(self.hiding_thickness);
+        all
+    }
 }
 
 impl PaintMix {

@@ -1,10 +1,12 @@
 //! A mixture as it is shown.
 
 use mieux_io::plot::hex;
-use mieux_io::table::{Table, TableError};
+use mieux_io::table::Table;
 use mieux_optics::paint::{PaintSet, Recipe};
 use mieux_optics::spectrum::Lab;
 use serde_json::{Value, json};
+
+use crate::jobs::JobError;
 
 /// A recipe, its reflectance and its colour.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,13 +45,13 @@ impl Shown {
     ///
     /// # Errors
     /// Never; the columns have one length.
-    pub fn table(&self) -> Result<Table, TableError> {
+    pub fn table(&self) -> Result<Table, JobError> {
         let Lab { l, a, b } = self.lab;
-        Table::new(self.recipe.describe())
+        Ok(Table::new(self.recipe.describe())
             .with_metadata("colour (CIE L*a*b*, D65, 1931)", format!("{l:.2}, {a:.2}, {b:.2}"))
             .with_metadata("sRGB", self.hex())
             .with_column("wavelength", "nm", self.wavelengths_nm.clone())?
-            .with_column("reflectance", "", self.reflectance.clone())
+            .with_column("reflectance", "", self.reflectance.clone())?)
     }
 
     /// All of it.
