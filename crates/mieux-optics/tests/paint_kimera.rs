@@ -89,7 +89,7 @@ fn a_tint_left_out_altogether_is_known_to_be_unknown() {
     let names: Vec<String> = all.paints().into_iter().filter(|name| *name != "white").map(str::to_owned).collect();
     assert_eq!((names.len(), white.parts().len()), (12, 1));
     let of = |sample: &Sample, name: &str| is_tint(sample) && sample.recipe.parts().iter().any(|part| part.0 == name);
-    let surface = Saunderson::directional(1.5, 1.0).expect("an index").with_specular(0.5);
+    let surface = Saunderson::directional(1.5, 1.0).expect("an index").with_specular(0.13);
     let mut foretold = Vec::new();
     for name in &names {
         let kept = all.filtered(|_, sample| !of(sample, name));

@@ -66,7 +66,8 @@ pub fn paints_to_toml(set: &PaintSet) -> Result<String, PaintFileError> {
         format: FORMAT.into(),
         reference: set.reference().into(),
         reference_scattering_per_m: set.scattering(),
-        wavelengths_nm: set.grid().iter().map(|metres| metres * 1e9).collect(),
+        // Without what the change of unit has added.
+        wavelengths_nm: set.grid().iter().map(|metres| (metres * 1e15).round() / 1e6).collect(),
         surface: Surface { external: surface.external, internal: surface.internal, specular: surface.specular },
         paints: set.paints().iter().map(entry).collect(),
     };

@@ -20,6 +20,8 @@ pub fn swatch_figure(title: &str, patches: &[(String, [f64; 3])]) -> String {
     let top = if title.is_empty() { GAP } else { 44.0 };
     let width = GAP + columns as f64 * (PATCH[0] + GAP);
     let mut scene = Scene::new(width, top + rows as f64 * (PATCH[1] + LABEL + GAP));
+    // As on the other figures.
+    scene.font_family = Some("DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif".to_owned());
     let text = |x: f64, y: f64, content: String, size: u32| Primitive::Text {
         x,
         y,

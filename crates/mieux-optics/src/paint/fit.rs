@@ -341,7 +341,8 @@ impl<'a> Problem<'a> {
     fn find_specular(&mut self, surface: Saunderson) -> Result<(Saunderson, f64), PaintError> {
         let least = self.measurements.samples().iter().flat_map(|s| &s.reflectance).fold(1.0, |a: f64, b| a.min(*b));
         if surface.external == 0.0 {
-            return Ok((surface, f64::INFINITY));
+            // Without a surface there is nothing to count.
+            return Ok((surface, 0.0));
         }
         let most = (0.97 * least / surface.external).min(1.0);
         let mut cost = |specular: f64| self.minimise(&surface.with_specular(specular), 12);

@@ -5,8 +5,8 @@
 //! goes twice as far as the film is deep, so `K = 2 sigma_a`, and with `S = 3/4 sigma_s (1 - g)` the answer for thick matter
 //! tends to that of diffusion theory as absorption goes to 0 ([`Film::of_medium`]). Textbooks that find `K = sigma_a` and
 //! `S = sigma_s / 2` for isotropic scattering count radiance along its own way where the flux through the horizontal is
-//! meant, which holds for light that travels straight up and down only. [`Film::along_the_normal`] is that pair; for light
-//! on paint it is wrong by a factor of two in K, and in hiding power.
+//! meant, which holds for light that travels straight up and down only. [`Film::along_the_normal`] is that pair;
+//! for diffuse light on paint its K is half, and its S two thirds, of what is needed.
 //!
 //! # What it leaves out
 //! Light that is not diffuse, and the surface: see [`Saunderson`] for the latter. [`shares`] answers for whole stacks.
