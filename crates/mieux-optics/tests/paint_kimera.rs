@@ -97,7 +97,8 @@ fn a_tint_left_out_altogether_is_known_to_be_unknown() {
         assert_eq!(found.ratio_only, [name.clone()]);
         let paint = found.paints.paints().iter().find(|paint| paint.name == *name).expect("it");
         let unsure = paint.s_error.iter().sum::<f64>() / paint.s_error.len() as f64;
-        assert!(unsure > 1.0, "{name}: {unsure}");
+        // Within a factor of five, which is the belief that the fit began with.
+        assert!(unsure > 1.5, "{name}: {unsure}");
         foretold.extend(found.predict(&all.filtered(|_, sample| of(sample, name))).expect("the same paints"));
     }
     show("left out altogether", &foretold);

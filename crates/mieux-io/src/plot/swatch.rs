@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn colours_are_cut_off_at_what_a_screen_shows() {
-        assert_eq!(hex([0.0, 1.0, 0.214_041_14]), "#00ff80");
+        assert_eq!(hex([0.0, 1.0, 0.215_860_5]), "#00ff80");
         assert_eq!(hex([-1.0, 7.0, f64::NAN]), "#00ff00");
     }
 }

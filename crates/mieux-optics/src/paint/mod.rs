@@ -44,6 +44,14 @@ pub enum PaintError {
         /// How many there should be.
         expected: usize,
     },
+    /// Measurements at other wavelengths.
+    #[error(
+        "`{sample}` and those after it are not measured at the wavelengths of those before; measure or resample all alike"
+    )]
+    Wavelengths {
+        /// Name of the first sample that differs.
+        sample: String,
+    },
     /// An amount that cannot be.
     #[error("the amount {value} of `{paint}` is not a finite number from 0 up")]
     Amount {
@@ -208,12 +216,12 @@ impl Measurements {
     /// These and others at the same wavelengths.
     ///
     /// # Errors
-    /// [`PaintError::Length`] when the wavelengths differ (by more than 1e-9 of themselves).
+    /// [`PaintError::Wavelengths`] when they differ (by more than 1e-9 of themselves).
     pub fn and(mut self, others: Self) -> Result<Self, PaintError> {
         let alike = |(a, b): (f64, f64)| (a - b).abs() <= 1e-9 * a;
         if self.grid.len() != others.grid.len() || !self.grid.iter().zip(others.grid.iter()).all(alike) {
             let sample = others.samples.first().map(|sample| sample.name.clone()).unwrap_or_default();
-            return Err(PaintError::Length { sample, found: others.grid.len(), expected: self.grid.len() });
+            return Err(PaintError::Wavelengths { sample });
         }
         self.samples.extend(others.samples);
         Ok(self)
@@ -259,7 +267,7 @@ mod tests {
         let good = Measurements::new(grid, vec![sample(vec![0.5, 0.6])]).unwrap();
         let other = WavelengthGrid::new(vec![5e-7, 6.1e-7]).unwrap();
         let other = Measurements::new(other, vec![sample(vec![0.5, 0.6])]).unwrap();
-        assert!(good.clone().and(other).is_err());
+        assert_eq!(good.clone().and(other), Err(PaintError::Wavelengths { sample: "s".into() }));
         assert_eq!(good.clone().and(good).unwrap().paints(), ["a"]);
     }
 }
