@@ -202,7 +202,8 @@ fn fit_text(report: &PaintFitReport) -> String {
         significant(surface.specular, 3),
         match report.specular_error {
             0.0 => String::new(),
-            error => format!(" (fitted, standard error {})", significant(error, 2)),
+            error if error < 0.5 => format!(" (fitted, standard error {})", significant(error, 2)),
+            _ => " (a guess: these samples do not tell)".into(),
         }
     );
     text += &format!("K and S are relative to S of {}", report.paints.reference());
@@ -269,11 +270,15 @@ fn verdict(difference: f64) -> &'static str {
 
 fn colour_text(shown: &Shown) -> String {
     let gamut = if shown.in_gamut() { "" } else { ", beyond what a screen shows" };
-    format!(
+    let mut text = format!(
         "mixture      {}{gamut}\n             {}\n",
         lab_text(shown.lab, shown.linear_srgb),
         shown.recipe.describe()
-    )
+    );
+    if let Some((from, to)) = shown.lacks_visible() {
+        text += &format!("             colours are of light from {from} to {to} nm only\n");
+    }
+    text
 }
 
 /// A colour in numbers, with a patch of it where standard output is a terminal.

@@ -123,6 +123,7 @@ fn mistakes_are_explained() {
     let path = folder.path();
     assert!(fitted(path).status.success());
     std::fs::write(path.join("percent.csv"), "wavelength_nm,white\n400,90\n").unwrap();
+    std::fs::write(path.join("dark.csv"), "wavelength_nm,black\n400,0.01\n").unwrap();
     std::fs::write(path.join("broken.json"), "[{\"type\": \"wavelengths\", \"value\": [400]}]").unwrap();
     let paints = ["--paints", "out/paints.toml"];
     for (words, expected) in [
@@ -132,6 +133,10 @@ fn mistakes_are_explained() {
         ),
         (&["paint", "fit", "broken.json"], "unknown field `value`"),
         (&["paint", "fit", "missing.csv"], "cannot be read"),
+        (
+            &["paint", "fit", "dark.csv", "--specular", "1"],
+            "sample `black` at 400 nm: the reflectance 0.01 is not above the 0.04",
+        ),
         (&["paint", "fit", "m.csv", "--reference", "grey"], "no paint called `grey`"),
         (&["paint", "fit", "m.csv", "--index", "0.5"], "the refractive index 0.5 is not between 1 and 10"),
         (&["paint", "mix", "deep=1"], "did you mean `deep blue`?"),

@@ -73,8 +73,8 @@ pub struct PaintFit {
 /// Fits K and S of every paint in the samples, all of which are opaque.
 ///
 /// # Errors
-/// [`PaintError::NothingToFit`], [`PaintError::Unknown`] for the reference, [`PaintError::Film`] when the surface alone reflects
-/// more than a sample, [`PaintError::Singular`].
+/// [`PaintError::NothingToFit`], [`PaintError::Unknown`] for the reference, [`PaintError::Surface`] when the surface alone
+/// reflects more than a sample, [`PaintError::Singular`].
 pub fn fit(measurements: &Measurements, options: &FitOptions) -> Result<PaintFit, PaintError> {
     let mut problem = Problem::new(measurements, options)?;
     let (surface, specular_error) = match options.surface {
@@ -186,19 +186,22 @@ impl<'a> Problem<'a> {
 
     /// K of each paint from its pure sample with the believed S, where there is one.
     fn start(&mut self, surface: &Saunderson) -> Result<(), PaintError> {
-        let (n, unknowns) = (self.names.len(), self.unknowns());
+        let unknowns = self.unknowns();
         let believed = self.options.scattering[0];
         let mut at = vec![vec![believed; unknowns]; self.measurements.grid().len()];
         for (sample, recipe) in self.measurements.samples().iter().zip(&self.recipes) {
-            for (at, &reading) in at.iter_mut().zip(&sample.reflectance) {
-                let internal = surface.internal(reading)?;
+            let wavelengths = self.measurements.grid().iter();
+            for (at, (wavelength, &reading)) in at.iter_mut().zip(wavelengths.zip(&sample.reflectance)) {
+                let internal = surface.internal(reading).map_err(|source| {
+                    let wavelength_nm = crate::spectrum::nanometres(wavelength);
+                    PaintError::Surface { sample: sample.name.clone(), wavelength_nm, source }
+                })?;
                 let ratio = (1.0 - internal) * (1.0 - internal) / (2.0 * internal);
                 if let [(paint, _)] = recipe[..] {
                     at[paint] = ratio.ln() + if paint == self.reference { 0.0 } else { believed };
                 }
             }
         }
-        debug_assert!(n <= unknowns);
         self.at = at;
         Ok(())
     }
@@ -506,6 +509,9 @@ mod tests {
         assert_eq!(fit(&measurements, &options), Err(PaintError::Unknown { paint: "grey".into() }));
         // A surface that alone reflects more than the darkest sample.
         let bright = Saunderson { external: 0.3, specular: 1.0, ..SURFACE };
-        assert!(matches!(fit(&measurements, &FitOptions::new(Surface::Given(bright))), Err(PaintError::Film(_))));
+        assert!(matches!(
+            fit(&measurements, &FitOptions::new(Surface::Given(bright))),
+            Err(PaintError::Surface { .. })
+        ));
     }
 }

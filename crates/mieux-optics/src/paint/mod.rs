@@ -81,6 +81,16 @@ pub enum PaintError {
         /// Why.
         why: &'static str,
     },
+    /// A sample that its surface does not allow.
+    #[error("sample `{sample}` at {wavelength_nm} nm: {source}")]
+    Surface {
+        /// Name of the sample.
+        sample: String,
+        /// Where, nm.
+        wavelength_nm: f64,
+        /// What is wrong.
+        source: KubelkaMunkError,
+    },
     /// Number of paints in a recipe that is looked for.
     #[error("a recipe of at most {value} paints: between 1 and 6 can be looked for")]
     AtMost {

@@ -88,7 +88,12 @@ impl Daylight {
 
     /// L*a*b* of a reflectance, relative to the perfect white.
     pub fn lab(&self, reflectance: &[f64]) -> Lab {
-        Lab::from_xyz(self.xyz(reflectance), self.white())
+        let white = self.white();
+        if white.iter().all(|w| *w > 0.0) {
+            Lab::from_xyz(self.xyz(reflectance), white)
+        } else {
+            Lab { l: 0.0, a: 0.0, b: 0.0 }
+        }
     }
 
     /// Linear sRGB of a reflectance; may leave [0, 1].
@@ -129,6 +134,15 @@ mod tests {
             let code = f64::from(i) / 255.0;
             assert!((srgb_encode(srgb_decode(code)) - code).abs() < 1e-6, "{i}");
         }
+    }
+
+    #[test]
+    fn nothing_visible_is_black() {
+        let infrared = Daylight::new(&WavelengthGrid::new(vec![1.5e-6, 1.6e-6]).unwrap());
+        assert_eq!(infrared.lab(&[0.5, 0.5]), Lab { l: 0.0, a: 0.0, b: 0.0 });
+        let grid = cie1931().grid().clone();
+        let white = Daylight::new(&grid).lab(&vec![1.0; grid.len()]);
+        assert!((white.l - 100.0).abs() < 1e-9 && white.chroma() < 1e-9);
     }
 
     #[test]

@@ -45,6 +45,17 @@ pub enum KubelkaMunkError {
         /// The offending value.
         value: f64,
     },
+    /// A sample that is darker than its surface alone.
+    #[error(
+        "the reflectance {value} is not above the {surface} that the surface alone sends to the instrument; is its specular \
+         component excluded?"
+    )]
+    DarkerThanSurface {
+        /// The offending value.
+        value: f64,
+        /// What the surface reflects.
+        surface: f64,
+    },
     /// A share lies in [0, 1].
     #[error("the {quantity} {value} is not between 0 and 1")]
     Share {

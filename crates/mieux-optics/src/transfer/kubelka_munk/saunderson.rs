@@ -87,13 +87,16 @@ impl Saunderson {
     /// The reflectance under the surface, strictly between 0 and 1, from a measured one, likewise.
     ///
     /// # Errors
-    /// [`KubelkaMunkError::Reflectance`] for what is no reflectance, or one that no film under this surface has.
+    /// [`KubelkaMunkError::Reflectance`] for what is no reflectance, or more than any film under this surface has;
+    /// [`KubelkaMunkError::DarkerThanSurface`].
     pub fn internal(&self, reflectance: f64) -> Result<f64, KubelkaMunkError> {
         measured("reflectance", reflectance)?;
+        if reflectance <= self.floor() {
+            return Err(KubelkaMunkError::DarkerThanSurface { value: reflectance, surface: self.floor() });
+        }
         let y = (reflectance - self.floor()) / ((1.0 - self.external) * (1.0 - self.internal));
         let internal = y / (1.0 + self.internal * y);
-        let quantity = "reflectance less that of the surface, as it is inside,";
-        measured(quantity, internal)
+        measured("reflectance under the surface", internal)
     }
 }
 

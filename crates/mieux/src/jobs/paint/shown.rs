@@ -41,6 +41,12 @@ impl Shown {
         self.linear_srgb.iter().all(|v| (-1e-3..=1.0 + 1e-3).contains(v))
     }
 
+    /// The range of wavelengths, nm, where it leaves out much of what is visible; colours then are not those of daylight.
+    pub fn lacks_visible(&self) -> Option<(f64, f64)> {
+        let (from, to) = (*self.wavelengths_nm.first()?, *self.wavelengths_nm.last()?);
+        (from > 420.0 || to < 680.0).then_some((from, to))
+    }
+
     /// Reflectance over wavelength.
     ///
     /// # Errors
