@@ -94,7 +94,7 @@ fn a_tint_left_out_altogether_is_known_to_be_unknown() {
     for name in &names {
         let kept = all.filtered(|_, sample| !of(sample, name));
         let found = fit(&kept, &FitOptions::new(Surface::Given(surface))).expect("a fit");
-        assert_eq!(found.ratio_only, [name.clone()]);
+        assert_eq!(found.ratio_only, std::slice::from_ref(name));
         let paint = found.paints.paints().iter().find(|paint| paint.name == *name).expect("it");
         let unsure = paint.s_error.iter().sum::<f64>() / paint.s_error.len() as f64;
         // Within a factor of five, which is the belief that the fit began with.

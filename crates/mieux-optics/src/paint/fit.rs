@@ -332,7 +332,8 @@ impl<'a> Problem<'a> {
                 }
                 damping *= 8.0;
             }
-            if !(before - cost > 1e-6 * before) {
+            let gained = before - cost;
+            if gained.is_nan() || gained <= 1e-6 * before {
                 break;
             }
         }
@@ -421,11 +422,13 @@ mod tests {
 
     const SURFACE: Saunderson = Saunderson { external: 0.04, internal: 0.596, specular: 0.25 };
 
+    type Truth = Vec<(String, [Vec<f64>; 2])>;
+
     /// White, and two pigments of smooth K and S, by themselves and with white.
-    fn made(surface: &Saunderson) -> (Measurements, Vec<(String, [Vec<f64>; 2])>) {
+    fn made(surface: &Saunderson) -> (Measurements, Truth) {
         let grid = WavelengthGrid::regular(400e-9, 700e-9, 5e-9).unwrap();
         let of = |f: &dyn Fn(f64) -> f64| grid.iter().map(|w| f((w * 1e9 - 550.0) / 150.0)).collect::<Vec<_>>();
-        let truth: Vec<(String, [Vec<f64>; 2])> = vec![
+        let truth: Truth = vec![
             ("white".into(), [of(&|x| 0.004 - 0.002 * x), of(&|_| 1.0)]),
             ("blue".into(), [of(&|x| 0.1 + 1.5 * (-(x - 0.4f64).powi(2) * 6.0).exp()), of(&|x| 0.15 + 0.05 * x)]),
             ("red".into(), [of(&|x| 0.02 + 1.2 / (1.0 + (8.0 * x).exp())), of(&|x| 0.3 + 0.1 * x)]),

@@ -24,14 +24,20 @@ pub fn from_two_backings(pairs: [(f64, f64); 2], thickness: f64) -> Result<Film,
     if g1 == g2 {
         return Err(KubelkaMunkError::NoFilm { why: "both backings are alike" });
     }
-    if !((r1 - r2) * (g1 - g2) > 0.0) {
+    if (r1 - r2) * (g1 - g2) <= 0.0 {
         return Err(KubelkaMunkError::NoFilm {
             why: "it is not lighter over the lighter backing; an opaque film gives K/S only",
         });
     }
-    let a = 0.5 * ((1.0 + r1 * g1) * (g2 - r2) - (1.0 + r2 * g2) * (g1 - r1)) / (r1 * g2 - r2 * g1);
+    // Where nothing scatters, reflectances are those of the backings times the same factor, and a is endless.
+    let across = r1 * g2 - r2 * g1;
+    let a = if across.abs() > 1e-13 * r1.max(r2) {
+        0.5 * ((1.0 + r1 * g1) * (g2 - r2) - (1.0 + r2 * g2) * (g1 - r1)) / across
+    } else {
+        f64::INFINITY
+    };
     // Rounding of readings without absorption may end a little below 1.
-    if !(a > 1.0 - 1e-9) {
+    if a.is_nan() || a <= 1.0 - 1e-9 {
         return Err(KubelkaMunkError::NoFilm { why: "more light would come back than went in" });
     }
     let a = a.max(1.0);
@@ -101,7 +107,7 @@ pub fn from_two_thicknesses(backing: f64, pairs: [(f64, f64); 2]) -> Result<Film
 
 /// The film of infinite reflectance `u` in [0, 1] that turns a backing into this reflectance.
 fn film(u: f64, backing: f64, reflectance: f64, thickness: f64) -> Result<Film, KubelkaMunkError> {
-    if !(natural("thickness", thickness)? > 0.0) {
+    if natural("thickness", thickness)? == 0.0 {
         return Err(KubelkaMunkError::NoFilm { why: "a film of thickness 0 says nothing" });
     }
     // 1 - w(R)/w(G), over 1 - u^2, which is what is left of it where u is 1.
@@ -145,6 +151,13 @@ mod tests {
                 close(&from_two_backings([pair(white), pair(black)], d).unwrap(), k, s, 1e-8);
             }
         }
+    }
+
+    #[test]
+    fn a_dye_over_two_greys_scatters_nothing() {
+        let film = Film::new(3e3, 0.0, 1e-4).unwrap();
+        let pair = |g: f64| (g, film.reflectance_over(g).unwrap());
+        close(&from_two_backings([pair(0.3), pair(0.8)], 1e-4).unwrap(), 3e3, 0.0, 1e-9);
     }
 
     #[test]
