@@ -7,9 +7,11 @@
 
 mod shared;
 
-use mieux_optics::paint::{FitOptions, Leftover, Measurements, Recipe, Sample, Surface, fit};
-use mieux_optics::spectrum::WavelengthGrid;
-use mieux_optics::transfer::kubelka_munk::Saunderson;
+use mieux_optics::paint::{
+    FitOptions, Leftover, Measurements, Paint, PaintFit, PaintSet, Recipe, Sample, Surface, fit,
+};
+use mieux_optics::spectrum::{Sampled, WavelengthGrid};
+use mieux_optics::transfer::kubelka_munk::{Film, Saunderson};
 
 fn read(path: &str) -> Option<Measurements> {
     let text = shared::text(path)?;
@@ -77,6 +79,50 @@ fn tints_measured_again_are_foretold() {
     assert!(mean(&foretold) < 1.0 && foretold.iter().all(|left| left.ciede2000 < 3.0));
     for paint in found.paints.paints() {
         assert!(paint.k.iter().chain(&paint.s).all(|v| *v > 0.0 && v.is_finite()), "{}", paint.name);
+    }
+}
+
+/// The samples at every so many-th wavelength only.
+fn thinned(all: &Measurements, step: usize) -> Measurements {
+    let thin = |values: &[f64]| values.iter().copied().step_by(step).collect::<Vec<f64>>();
+    let samples = all.samples().iter().map(|s| Sample { reflectance: thin(&s.reflectance), ..s.clone() });
+    let grid = WavelengthGrid::new(thin(all.grid().as_slice())).expect("a grid");
+    Measurements::new(grid, samples.collect()).expect("measurements")
+}
+
+/// Tints measured at few wavelengths: S of each pigment there, between them interpolated; K everywhere from that and the
+/// masstone. Foretold: the tints at all wavelengths.
+fn foretold_from_few(all: &Measurements, step: usize) -> Vec<Leftover> {
+    let few = thinned(all, step);
+    let found = fit(&few, &options()).expect("a fit");
+    let surface = found.paints.surface();
+    let paint = |paint: &Paint| {
+        let log_s = Sampled::new(few.grid().clone(), paint.s.iter().map(|s| s.ln()).collect()).expect("a spectrum");
+        let (first, last) = (few.grid().range().0, few.grid().range().1);
+        let s: Vec<f64> = all.grid().iter().map(|w| log_s.at(w.clamp(first, last)).expect("inside").exp()).collect();
+        let pure: Vec<&Sample> =
+            all.samples().iter().filter(|sample| sample.recipe == Recipe::pure(&paint.name)).collect();
+        let ratio = |i: usize| {
+            let mean = pure.iter().map(|sample| sample.reflectance[i]).sum::<f64>() / pure.len() as f64;
+            Film::ratio(surface.internal(mean).expect("brighter than the surface")).expect("a reflectance")
+        };
+        let k = s.iter().enumerate().map(|(i, s)| s * ratio(i)).collect();
+        Paint { name: paint.name.clone(), k, s, k_error: vec![], s_error: vec![] }
+    };
+    let paints = found.paints.paints().iter().map(paint).collect();
+    let set = PaintSet::new(all.grid().clone(), surface, "white".into(), paints).expect("paints");
+    let whole = PaintFit { paints: set, ..found };
+    whole.predict(&all.filtered(|_, sample| is_tint(sample))).expect("the same paints")
+}
+
+/// Of 170 wavelengths 153 or more are never looked at in the tints.
+#[test]
+fn tints_are_foretold_between_a_few_wavelengths() {
+    let Some(all) = kimera() else { return };
+    for (step, most) in [(10, 0.5), (20, 1.5), (34, 3.0)] {
+        let foretold = foretold_from_few(&all, step);
+        show(&format!("tints known at {} wavelengths", 170usize.div_ceil(step)), &foretold);
+        assert!(mean(&foretold) < most, "{step}: {}", mean(&foretold));
     }
 }
 
