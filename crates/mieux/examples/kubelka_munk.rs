@@ -70,7 +70,7 @@ fn hiding() -> Outcome<Figure> {
 
 /// Reflectance of thick matter by two fluxes, by both pairs of K and S, and by many streams; over the albedo.
 fn against_streams() -> Outcome<(Figure, Table)> {
-    let mut albedos: Vec<f64> = (2..=38).map(|i| f64::from(i) * 0.025).collect();
+    let mut albedos: Vec<f64> = (2..=38).map(|i| f64::from(i) / 40.0).collect();
     albedos.extend([0.97, 0.98, 0.99, 0.995, 0.998, 0.999]);
     let cases = [
         ("g 0, n 1, diffuse", 0.0, 1.0, Incidence::Diffuse),
