@@ -8,6 +8,7 @@ use mieux::io::recipe::{RecipeError, parse_setting};
 use mieux::jobs::{Approximation, Optics, Render, Stop};
 
 use crate::mie::MieArgs;
+use crate::paint::PaintCommand;
 use crate::phase::PhaseArgs;
 use crate::slab::SlabArgs;
 
@@ -41,6 +42,9 @@ pub enum Command {
     /// Of a material, wavelength by wavelength, or of an abstract medium: reflectance, transmittance, absorptance, and the
     /// colours they make.
     Slab(Box<SlabArgs>),
+    /// Fit paints to measurements, mix them, and find recipes for colours
+    #[command(subcommand)]
+    Paint(PaintCommand),
     /// Print a completion script for a shell
     Completions {
         /// Shell to complete for

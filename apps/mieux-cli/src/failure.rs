@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use mieux::io::TextError;
+use mieux::io::paint::PaintFileError;
 use mieux::io::recipe::RecipeError;
 use mieux::io::slab_file::SlabFileError;
 use mieux::jobs::JobError;
@@ -69,7 +70,9 @@ impl Failure {
         diagnostic.help = error.help();
         let mut report = Report::new(diagnostic.clone());
         let place: Option<&TextError> = match error.as_ref() {
-            JobError::Recipe(RecipeError::Text(text)) | JobError::SlabFile(SlabFileError::Text(text)) => Some(text),
+            JobError::Recipe(RecipeError::Text(text))
+            | JobError::SlabFile(SlabFileError::Text(text))
+            | JobError::PaintFile(PaintFileError::Text(text)) => Some(text),
             _ => None,
         };
         if let Some(text) = place {

@@ -3,6 +3,7 @@
 mod args;
 mod failure;
 mod mie;
+mod paint;
 mod phase;
 mod progress;
 mod show;
@@ -56,6 +57,15 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
             match run_job(&args.job()?, format == Format::Table)? {
                 Report::Slab(report) => slab::show(&report, format)?,
                 Report::SlabCompare(report) => slab::show_comparison(&report, format)?,
+                _ => {}
+            }
+        }
+        Command::Paint(command) => {
+            let (job, format) = command.job()?;
+            match run_job(&job, format == Format::Table)? {
+                Report::PaintFit(report) => paint::show_fit(&report, format)?,
+                Report::PaintMix(report) => paint::show_mix(&report, format)?,
+                Report::PaintMatch(report) => paint::show_match(&report, format)?,
                 _ => {}
             }
         }

@@ -81,6 +81,7 @@ impl Bars {
             Stage::Phase => (Some(1), "phase   {bar:30} {pos}/{len} functions"),
             Stage::Slabs => (Some(1), "slab    {bar:30} {pos}/{len} slabs"),
             Stage::Photons => (Some(1), "slab    {bar:30} {human_pos} of {human_len} photons, {per_sec}, {eta} left"),
+            Stage::Paints => (None, "paints  {spinner} {elapsed} so far"),
             Stage::Write => (None, "writing the results"),
         };
         let bar = ProgressBar::with_draw_target(length, target(self.shown));

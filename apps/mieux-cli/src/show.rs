@@ -1,8 +1,9 @@
 //! What is printed.
 
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 
 use clap::CommandFactory;
+use mieux::io::plot::{srgb_bytes, srgb_hex};
 use mieux::io::quantity::{format_duration, format_length, format_per_length};
 use mieux::io::recipe::{MATERIALS, Recipe};
 use mieux::io::scene::{SCENES, SceneFile};
@@ -10,6 +11,16 @@ use mieux::jobs::{OpticsReport, OpticsSheet, RenderReport};
 
 use crate::args::{Cli, Format};
 use crate::failure::Failure;
+
+/// A colour (linear sRGB) as `#rrggbb`, with a patch of it where standard output is a terminal.
+pub fn colour(linear: [f64; 3]) -> String {
+    let hex = srgb_hex(linear);
+    if !io::stdout().is_terminal() {
+        return hex;
+    }
+    let [r, g, b] = srgb_bytes(linear);
+    format!("{hex} \x1b[48;2;{r};{g};{b}m      \x1b[0m")
+}
 
 pub fn materials() -> Result<(), Failure> {
     let mut out = io::stdout().lock();

@@ -1,12 +1,11 @@
 //! `mieux slab`: what can be typed, and what is printed.
 
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Subcommand};
-use mieux::io::plot::{srgb_bytes, srgb_hex};
 use mieux::io::quantity::{OpticalThickness, Thickness, format_duration, significant};
 use mieux::io::recipe::parse_setting;
 use mieux::jobs::{
@@ -16,6 +15,7 @@ use mieux::jobs::{
 
 use crate::args::{Cli, Format};
 use crate::failure::Failure;
+use crate::show::colour;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -287,7 +287,6 @@ fn usage(kind: ErrorKind, message: String) -> Failure {
 }
 
 pub fn show(report: &SlabReport, format: Format) -> Result<(), Failure> {
-    let coloured = io::stdout().is_terminal();
     let mut out = io::BufWriter::new(io::stdout().lock());
     let sheet = &report.sheet;
     match format {
@@ -296,7 +295,7 @@ pub fn show(report: &SlabReport, format: Format) -> Result<(), Failure> {
             for note in &sheet.notes {
                 writeln!(out, "{note}")?;
             }
-            write!(out, "\n{}\n{}", sheet.table()?.without_title().to_text(6), colours(sheet, coloured))?;
+            write!(out, "\n{}\n{}", sheet.table()?.without_title().to_text(6), colours(sheet))?;
             for file in &report.files {
                 writeln!(out, "{}", file.display())?;
             }
@@ -307,18 +306,13 @@ pub fn show(report: &SlabReport, format: Format) -> Result<(), Failure> {
     Ok(out.flush()?)
 }
 
-/// A line for each slab with its colours, as blocks where a terminal shows them.
-fn colours(sheet: &SlabSheet, coloured: bool) -> String {
+/// A line for each slab with its colours.
+fn colours(sheet: &SlabSheet) -> String {
     let patches = sheet.patches();
     let names: Vec<String> = sheet.cases.iter().map(SlabSheet::name_of).collect();
     let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
-    let block = |colour: [f64; 3]| {
-        let [r, g, b] = srgb_bytes(colour);
-        let block = if coloured { format!(" \x1b[48;2;{r};{g};{b}m      \x1b[0m") } else { String::new() };
-        format!("{}{block}", srgb_hex(colour))
-    };
     let lines = patches.iter().zip(&names).map(|(patch, name)| {
-        let (reflected, transmitted) = (block(patch.reflected), block(patch.transmitted));
+        let (reflected, transmitted) = (colour(patch.reflected), colour(patch.transmitted));
         let name = if width == 0 { String::new() } else { format!(" {name:<width$} ") };
         format!("colour{name} reflected {reflected}  transmitted {transmitted}\n")
     });

@@ -6,6 +6,7 @@
 pub mod checkpoint;
 pub mod image;
 pub mod output;
+pub mod paint;
 pub mod plot;
 pub mod quantity;
 pub mod recipe;

@@ -15,6 +15,7 @@
 pub mod material;
 pub mod medium;
 pub mod mie;
+pub mod paint;
 pub mod particle;
 pub mod phase;
 pub mod spectrum;
@@ -23,5 +24,6 @@ pub mod transfer;
 
 mod integrate;
 mod lanes;
+mod levenberg_marquardt;
 
 pub use num_complex::Complex64;

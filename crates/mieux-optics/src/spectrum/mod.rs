@@ -2,12 +2,14 @@
 
 pub mod colour;
 mod grid;
+mod lab;
 mod sampled;
 mod table;
 
 mod observer;
 
 pub use grid::WavelengthGrid;
+pub use lab::Lab;
 pub use observer::{ColourMatching, cie1931, d65, stiles_burch1959};
 pub use sampled::Sampled;
 pub(crate) use table::embedded_table;

@@ -6,10 +6,12 @@
 //! - A source of strength 1 falls onto the *horizontal* unless said otherwise; shares are of what falls in.
 //! - Planes between layers of different index refract and reflect (Fresnel, unpolarised, incoherent).
 
+pub mod beer_lambert;
 pub mod diffusion;
 mod discrete_ordinates;
 mod error;
 pub mod fresnel;
+pub mod kubelka_munk;
 mod moments;
 mod stack;
 mod streams;

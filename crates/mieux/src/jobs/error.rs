@@ -3,6 +3,7 @@
 use mieux_io::checkpoint::CheckpointError;
 use mieux_io::image::ImageError;
 use mieux_io::output::OutputError;
+use mieux_io::paint::PaintFileError;
 use mieux_io::plot::PlotError;
 use mieux_io::quantity::{Length, QuantityError};
 use mieux_io::recipe::RecipeError;
@@ -11,6 +12,7 @@ use mieux_io::slab_file::SlabFileError;
 use mieux_io::table::TableError;
 use mieux_optics::medium::MediumError;
 use mieux_optics::mie::MieError;
+use mieux_optics::paint::PaintError;
 use mieux_optics::phase::PhaseError;
 use mieux_optics::spectrum::SpectrumError;
 use mieux_optics::transfer::TransferError;
@@ -54,6 +56,20 @@ pub enum JobError {
     /// Fournier and Forand's function has one parameter besides the index.
     #[error("fournier-forand takes either the slope of the size distribution or the share scattered backward")]
     SlopeOrBackscatter,
+    /// A file of paints or of measurements.
+    #[error(transparent)]
+    PaintFile(#[from] PaintFileError),
+    /// Paints that cannot be.
+    #[error(transparent)]
+    Paint(#[from] PaintError),
+    /// A paint that is not in the file.
+    #[error("no paint called `{paint}`")]
+    NoSuchPaint {
+        /// Its name.
+        paint: String,
+        /// Names that are there.
+        help: String,
+    },
     /// A table too long for memory.
     #[error(transparent)]
     Rows(#[from] RowsError),
@@ -140,7 +156,13 @@ impl JobError {
                 Some(help.clone())
             }
             Self::Rows(RowsError::Missing { help, .. }) => Some(help.clone()),
-            Self::Recipe(RecipeError::Text(error)) | Self::SlabFile(SlabFileError::Text(error)) => error.help.clone(),
+            Self::Recipe(RecipeError::Text(error))
+            | Self::SlabFile(SlabFileError::Text(error))
+            | Self::PaintFile(PaintFileError::Text(error)) => error.help.clone(),
+            Self::NoSuchPaint { help, .. } => Some(help.clone()),
+            Self::Paint(PaintError::Relative { .. }) => {
+                Some("fit again with `--reference-hides`, the thickness at which the reference by itself hides".into())
+            }
             Self::Checkpoint(CheckpointError::Read { .. }) => Some("leave out `--resume` to begin anew".into()),
             Self::Checkpoint(_) => Some("leave out `--resume` to begin anew, or give another folder with `-o`".into()),
             _ => None,

@@ -17,6 +17,8 @@ pub enum Stage {
     Slabs,
     /// Following photons through slabs; counted in photons.
     Photons,
+    /// Fitting or matching paints; not counted.
+    Paints,
     /// Writing files; counted in files.
     Write,
 }

@@ -6,6 +6,7 @@ mod error;
 mod event;
 mod mie;
 mod optics;
+mod paint;
 mod phase;
 mod render;
 mod sheet;
@@ -17,6 +18,10 @@ pub use error::JobError;
 pub use event::{Context, Event, Stage};
 pub use mie::{Coat, Definition, Directional, Mie, MieBatch, MieBatchReport, MieReport, MieSheet, Particle};
 pub use optics::{Optics, OpticsReport};
+pub use paint::{
+    HoldOut, PaintFit, PaintFitReport, PaintMatch, PaintMatchReport, PaintMix, PaintMixReport, PaintTarget, SampleFit,
+    Shown,
+};
 pub use phase::{Comparand, Compared, FitKind, Named, Phase, PhaseModel, PhaseReport, PhaseSheet};
 pub use render::{Approximation, Render, RenderReport, Stop};
 pub use sheet::{Made, OpticsSheet};
@@ -43,6 +48,12 @@ pub enum Job {
     Slab(Slab),
     /// Light onto layers, by every solver.
     SlabCompare(SlabCompare),
+    /// K and S of paints from measurements.
+    PaintFit(PaintFit),
+    /// What a mixture of paints looks like.
+    PaintMix(PaintMix),
+    /// A recipe for a wanted colour.
+    PaintMatch(PaintMatch),
 }
 
 /// What a job leaves besides its files.
@@ -62,6 +73,12 @@ pub enum Report {
     Slab(Box<SlabReport>),
     /// Of [`Job::SlabCompare`].
     SlabCompare(Box<SlabCompareReport>),
+    /// Of [`Job::PaintFit`].
+    PaintFit(Box<PaintFitReport>),
+    /// Of [`Job::PaintMix`].
+    PaintMix(Box<PaintMixReport>),
+    /// Of [`Job::PaintMatch`].
+    PaintMatch(Box<PaintMatchReport>),
 }
 
 impl Job {
@@ -78,6 +95,9 @@ impl Job {
             Self::Phase(job) => job.run(context).map(|report| Report::Phase(Box::new(report))),
             Self::Slab(job) => job.run(context).map(|report| Report::Slab(Box::new(report))),
             Self::SlabCompare(job) => job.run(context).map(|report| Report::SlabCompare(Box::new(report))),
+            Self::PaintFit(job) => job.run(context).map(|report| Report::PaintFit(Box::new(report))),
+            Self::PaintMix(job) => job.run(context).map(|report| Report::PaintMix(Box::new(report))),
+            Self::PaintMatch(job) => job.run(context).map(|report| Report::PaintMatch(Box::new(report))),
         }
     }
 }

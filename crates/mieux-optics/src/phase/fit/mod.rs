@@ -6,7 +6,6 @@
 //!
 //! Searches start from a fixed set of places and end at the best minimum found: same input, same answer.
 
-mod levenberg_marquardt;
 mod models;
 
 use std::f64::consts::PI;
@@ -15,7 +14,7 @@ use super::compare::FLOOR;
 use super::{
     DoubleHenyeyGreenstein, HenyeyGreenstein, HenyeyGreensteinDraine, PhaseError, PhaseFunction, compare, quadrature,
 };
-use levenberg_marquardt::minimise;
+use crate::levenberg_marquardt::minimise;
 
 /// What counts how much in a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

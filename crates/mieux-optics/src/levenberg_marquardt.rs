@@ -2,7 +2,7 @@
 //! finite differences.
 
 /// The least-squares solution found.
-pub(super) struct Minimum<const N: usize> {
+pub(crate) struct Minimum<const N: usize> {
     pub at: [f64; N],
     /// Sum of the squared residuals.
     pub cost: f64,
@@ -10,7 +10,7 @@ pub(super) struct Minimum<const N: usize> {
 
 /// Minimises the sum of squares of `residuals(parameters, out)`, from `start`. Ends when a step no longer helps, or
 /// after 200 steps. A residual that is not finite makes a step fail.
-pub(super) fn minimise<const N: usize>(
+pub(crate) fn minimise<const N: usize>(
     start: [f64; N],
     count: usize,
     mut residuals: impl FnMut(&[f64; N], &mut [f64]),
