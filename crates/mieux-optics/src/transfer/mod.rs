@@ -6,6 +6,7 @@
 //! - A source of strength 1 falls onto the *horizontal* unless said otherwise; shares are of what falls in.
 //! - Planes between layers of different index refract and reflect (Fresnel, unpolarised, incoherent).
 
+mod adding_doubling;
 mod discrete_ordinates;
 mod error;
 pub mod fresnel;
@@ -13,6 +14,7 @@ mod moments;
 mod stack;
 mod streams;
 
+pub use adding_doubling::AddingDoubling;
 pub use discrete_ordinates::{DiscreteOrdinates, Fluxes, Light, Place, Radiances, Views};
 pub use error::TransferError;
 pub use moments::{MAX_MOMENTS, Moments};
