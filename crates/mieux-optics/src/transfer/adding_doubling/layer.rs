@@ -134,7 +134,7 @@ fn rates<S: Simd>(
     let loss: LaneArray = std::array::from_fn(|lane| plans[lane].layers[layer].loss);
     let loss = Re::load(simd, &loss);
     for (i, share) in table.even_loss.iter().enumerate() {
-        let value = zero - loss * *share;
+        let value = loss * *share;
         even.data[i * n + n - 1] = value;
         even.data[(n - 1) * n + i] = value;
     }

@@ -50,7 +50,12 @@ impl<S: Simd> Table<S> {
                 refracted_cosine(cosine, plan.media[plan.above].index, plan.media[medium].index)
             };
             cosines.push(gather(simd, |lane| inside(lane).unwrap_or(1.0)));
-            weights.push(Re::splat(simd, BEAM_WEIGHT));
+            // n^2 mu d(mu) is the same on both sides of a plane.
+            weights.push(gather(simd, |lane| {
+                let plan = plans[lane];
+                let ratio = plan.media[plan.above].index / plan.media[medium].index;
+                BEAM_WEIGHT * ratio * ratio * cosine / inside(lane).unwrap_or(1.0)
+            }));
             enters.push(gather(simd, |lane| if inside(lane).is_some() { 1.0 } else { 0.0 }));
         }
         for i in 0..count {
