@@ -10,6 +10,7 @@ pub mod plot;
 pub mod quantity;
 pub mod recipe;
 pub mod rows;
+pub mod rxt;
 pub mod scene;
 pub mod table;
 mod text_error;
