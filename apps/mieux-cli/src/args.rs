@@ -7,6 +7,7 @@ use mieux::io::quantity::{Size, parse_duration, parse_fraction};
 use mieux::io::recipe::{RecipeError, parse_setting};
 use mieux::jobs::{Optics, Render, Stop};
 
+use crate::invert::InvertArgs;
 use crate::mie::MieArgs;
 use crate::phase::PhaseArgs;
 
@@ -35,6 +36,8 @@ pub enum Command {
     Mie(MieArgs),
     /// Compute how scattered light spreads over angle, and compare phase functions
     Phase(PhaseArgs),
+    /// Find absorption, scattering and asymmetry from measured reflectance and transmittance
+    Invert(InvertArgs),
     /// Print a completion script for a shell
     Completions {
         /// Shell to complete for

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use mieux::io::recipe::RecipeError;
+use mieux::io::rxt::RxtError;
 use mieux::jobs::JobError;
 
 /// Anything that ends the program early.
@@ -66,10 +67,11 @@ impl Failure {
         let mut diagnostic = MietteDiagnostic::new(error.to_string());
         diagnostic.help = error.help();
         let mut report = Report::new(diagnostic.clone());
-        if let JobError::Recipe(RecipeError::Text(text)) = error.as_ref() {
+        if let JobError::Recipe(RecipeError::Text(text)) | JobError::Rxt(RxtError::Text(text)) = error.as_ref() {
             let label = LabeledSpan::new_with_span(Some("here".into()), text.span.clone());
+            let language = if matches!(*error, JobError::Rxt(_)) { "text" } else { "toml" };
             report = Report::new(diagnostic.with_label(label))
-                .with_source_code(NamedSource::new(&text.name, text.text.clone()).with_language("toml"));
+                .with_source_code(NamedSource::new(&text.name, text.text.clone()).with_language(language));
         }
         eprintln!("{report:?}");
         ExitCode::from(code)

@@ -2,6 +2,7 @@
 
 mod args;
 mod failure;
+mod invert;
 mod mie;
 mod phase;
 mod progress;
@@ -48,6 +49,12 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
             let format = args.format;
             if let Report::Phase(report) = run_job(&Job::Phase(args.job()?), format == Format::Table)? {
                 phase::show(&report, format)?;
+            }
+        }
+        Command::Invert(args) => {
+            let format = args.format;
+            if let Report::Invert(report) = run_job(&Job::Invert(args.job()), format == Format::Table)? {
+                invert::show(&report, format)?;
             }
         }
         Command::Render(args) => {

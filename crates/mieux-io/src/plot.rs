@@ -5,6 +5,7 @@
 //! material's optical properties; [`efficiency_figure`], [`phase_figure`] and [`polarisation_figure`] show one particle.
 
 mod axis;
+mod inversion;
 mod legend;
 mod mie;
 mod optics;
@@ -18,6 +19,7 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 
 use axis::Axis;
+pub use inversion::{Measured, inversion_figure};
 pub use mie::{SizePlot, efficiency_figure, phase_figure, polarisation_figure};
 pub use optics::{OpticsPlot, optics_figure, optics_svg};
 pub use phase::comparison_figure;

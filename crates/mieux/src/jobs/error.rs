@@ -1,5 +1,7 @@
 //! Everything that can keep a job from its end.
 
+use std::path::PathBuf;
+
 use mieux_io::checkpoint::CheckpointError;
 use mieux_io::image::ImageError;
 use mieux_io::output::OutputError;
@@ -7,11 +9,13 @@ use mieux_io::plot::PlotError;
 use mieux_io::quantity::{Length, QuantityError};
 use mieux_io::recipe::RecipeError;
 use mieux_io::rows::RowsError;
+use mieux_io::rxt::RxtError;
 use mieux_io::table::TableError;
 use mieux_optics::medium::MediumError;
 use mieux_optics::mie::MieError;
 use mieux_optics::phase::PhaseError;
 use mieux_optics::spectrum::SpectrumError;
+use mieux_optics::transfer::InverseError;
 use mieux_render::render::RenderError;
 
 /// Why a job did not get to its end.
@@ -52,6 +56,20 @@ pub enum JobError {
     /// A table too long for memory.
     #[error(transparent)]
     Rows(#[from] RowsError),
+    /// A file of measured slabs.
+    #[error(transparent)]
+    Rxt(#[from] RxtError),
+    /// A measured slab that cannot be.
+    #[error(transparent)]
+    Inverse(#[from] InverseError),
+    /// Measurements that integrating spheres have changed.
+    #[error("`{}` was measured with {spheres} integrating sphere(s), for which nothing is corrected here", path.display())]
+    Spheres {
+        /// The file.
+        path: PathBuf,
+        /// How many at a time.
+        spheres: u32,
+    },
     /// A setting that none of the materials of a scene has.
     #[error("no material of the scene {scene} has an input `{input}`")]
     NoSuchInput {
@@ -123,7 +141,10 @@ impl JobError {
                 Some(help.clone())
             }
             Self::Rows(RowsError::Missing { help, .. }) => Some(help.clone()),
-            Self::Recipe(RecipeError::Text(error)) => error.help.clone(),
+            Self::Recipe(RecipeError::Text(error)) | Self::Rxt(RxtError::Text(error)) => error.help.clone(),
+            Self::Spheres { .. } => {
+                Some("give `--corrected` if the reflectances and transmittances in it are those of the sample".into())
+            }
             Self::Checkpoint(CheckpointError::Read { .. }) => Some("leave out `--resume` to begin anew".into()),
             Self::Checkpoint(_) => Some("leave out `--resume` to begin anew, or give another folder with `-o`".into()),
             _ => None,

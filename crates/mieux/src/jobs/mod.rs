@@ -4,6 +4,7 @@
 
 mod error;
 mod event;
+mod invert;
 mod mie;
 mod optics;
 mod phase;
@@ -14,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 pub use error::JobError;
 pub use event::{Context, Event, Stage};
+pub use invert::{Invert, InvertReport, InvertSheet, Inverted, Slabs};
 pub use mie::{Coat, Definition, Directional, Mie, MieBatch, MieBatchReport, MieReport, MieSheet, Particle};
 pub use optics::{Optics, OpticsReport};
 pub use phase::{Comparand, Compared, FitKind, Named, Phase, PhaseModel, PhaseReport, PhaseSheet};
@@ -34,6 +36,8 @@ pub enum Job {
     MieBatch(MieBatch),
     /// How scattered light spreads over angle.
     Phase(Phase),
+    /// What measured slabs are made of.
+    Invert(Invert),
 }
 
 /// What a job leaves besides its files.
@@ -49,6 +53,8 @@ pub enum Report {
     MieBatch(Box<MieBatchReport>),
     /// Of [`Job::Phase`].
     Phase(Box<PhaseReport>),
+    /// Of [`Job::Invert`].
+    Invert(Box<InvertReport>),
 }
 
 impl Job {
@@ -63,6 +69,7 @@ impl Job {
             Self::Mie(job) => job.run(context).map(|report| Report::Mie(Box::new(report))),
             Self::MieBatch(job) => job.run(context).map(|report| Report::MieBatch(Box::new(report))),
             Self::Phase(job) => job.run(context).map(|report| Report::Phase(Box::new(report))),
+            Self::Invert(job) => job.run(context).map(|report| Report::Invert(Box::new(report))),
         }
     }
 }
