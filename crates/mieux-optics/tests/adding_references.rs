@@ -6,8 +6,8 @@
 mod shared;
 
 use mieux_optics::transfer::{
-    AddingDoubling, DiscreteOrdinates, Estimate, Ground, Incidence, Inversion, Layer, Measured, Moments, Sample, Shares,
-    Stack,
+    AddingDoubling, DiscreteOrdinates, Estimate, Ground, Incidence, Inversion, Layer, Measured, Moments, Sample,
+    Shares, Stack,
 };
 
 fn hg(tau: f64, albedo: f64, g: f64) -> Layer {

@@ -147,13 +147,7 @@ fn positive(words: &Words, word: &Word, value: f64, what: &str) -> Result<f64, B
     Err(words.at(word.span.clone(), format!("{what} {value} is not more than 0")))
 }
 
-fn set(
-    words: &Words,
-    letter: char,
-    word: &Word,
-    row: &mut RxtRow,
-    spheres: &mut u32,
-) -> Result<(), Box<TextError>> {
+fn set(words: &Words, letter: char, word: &Word, row: &mut RxtRow, spheres: &mut u32) -> Result<(), Box<TextError>> {
     let what = LETTERS.iter().find(|(known, _)| *known == letter).map_or("a number", |(_, what)| what);
     let value = words.number(word, what)?;
     match letter {

@@ -160,7 +160,12 @@ impl Rxt {
         loop {
             let row = words.rest_of_line();
             let Some(first) = row.first() else { break };
-            file.rows.push(columns.row(&words, &row, RxtRow { line: first.line, ..pattern.clone() }, &mut file.spheres)?);
+            file.rows.push(columns.row(
+                &words,
+                &row,
+                RxtRow { line: first.line, ..pattern.clone() },
+                &mut file.spheres,
+            )?);
         }
         if file.rows.is_empty() {
             return Err(words.at_end("the file has no measurements".into()));

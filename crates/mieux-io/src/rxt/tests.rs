@@ -1,6 +1,7 @@
 use super::*;
 
-const HEAD: &str = "IAD1 # a file\n1.4 1.5\n2.0 1.0 # mm\n2 0.99\n0\n203.2 25.4 12.7 12.7 0.96\n203.2 25.4 12.7 12.7 0.96\n";
+const HEAD: &str =
+    "IAD1 # a file\n1.4 1.5\n2.0 1.0 # mm\n2 0.99\n0\n203.2 25.4 12.7 12.7 0.96\n203.2 25.4 12.7 12.7 0.96\n";
 
 fn parse(rows: &str) -> Result<Rxt, Box<TextError>> {
     Rxt::parse("a.rxt", &format!("{HEAD}{rows}"))

@@ -152,24 +152,22 @@ impl<S: Simd> Total<S> {
         }
         let mut returned = Matrix::zeros(simd, below_count, below_count);
         let mut down = Matrix::zeros(simd, below_count, above_count);
-        for i in 0..below_count {
-            let factor = zero - mirrors[i];
-            add_scaled(returned.row_mut(i), factor, self.reflection.row(i));
+        for (i, mirror) in mirrors.iter().enumerate().take(below_count) {
+            add_scaled(returned.row_mut(i), zero - *mirror, self.reflection.row(i));
             returned.data[i * below_count + i] = returned.data[i * below_count + i] + one;
-        }
-        for i in 0..common {
-            down.data[i * above_count + i] = one - mirrors[i];
+            if i < common {
+                down.data[i * above_count + i] = one - *mirror;
+            }
         }
         eliminate(&mut returned, &mut down, zero);
         self.pass(&down, zero);
         let up = product(simd, &self.reflection, &down);
         let mut reflection = Matrix::zeros(simd, above_count, above_count);
-        for i in 0..above_count {
+        for (i, mirror) in mirrors.iter().enumerate().take(above_count) {
             if i < common {
-                let factor = one - mirrors[i];
-                add_scaled(reflection.row_mut(i), factor, up.row(i));
+                add_scaled(reflection.row_mut(i), one - *mirror, up.row(i));
             }
-            reflection.data[i * above_count + i] = reflection.data[i * above_count + i] + mirrors[i];
+            reflection.data[i * above_count + i] = reflection.data[i * above_count + i] + *mirror;
         }
         self.reflection = reflection;
         self.roots = above.roots.clone();

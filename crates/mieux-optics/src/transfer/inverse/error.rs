@@ -35,7 +35,9 @@ pub enum InverseError {
         value: f64,
     },
     /// A fraction lies in [0, 1].
-    #[error("the fraction {value} of the unscattered light that is measured with the {quantity} is not between 0 and 1")]
+    #[error(
+        "the fraction {value} of the unscattered light that is measured with the {quantity} is not between 0 and 1"
+    )]
     Fraction {
         /// With what.
         quantity: &'static str,

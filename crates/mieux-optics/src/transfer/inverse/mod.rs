@@ -126,10 +126,8 @@ impl Inversion {
         if let Some(value) = sample.optical_thickness.filter(|b| !(*b > 0.0 && b.is_finite())) {
             return Err(InverseError::OpticalThickness { value });
         }
-        let fractions = [
-            ("reflectance", sample.specular_in_reflectance),
-            ("transmittance", sample.unscattered_in_transmittance),
-        ];
+        let fractions =
+            [("reflectance", sample.specular_in_reflectance), ("transmittance", sample.unscattered_in_transmittance)];
         if let Some((quantity, value)) = fractions.into_iter().find(|(_, f)| !(0.0..=1.0).contains(f)) {
             return Err(InverseError::Fraction { quantity, value });
         }
@@ -141,8 +139,11 @@ impl Inversion {
         let slabs: Vec<Slab> = std::iter::once(0.0)
             .chain(steps(3e-3, 30.0, 7))
             .flat_map(|absorption| {
-                steps(0.03, 100.0, 9)
-                    .map(move |reduced| Slab { absorption, scattering: reduced / (1.0 - asymmetry), asymmetry })
+                steps(0.03, 100.0, 9).map(move |reduced| Slab {
+                    absorption,
+                    scattering: reduced / (1.0 - asymmetry),
+                    asymmetry,
+                })
             })
             .collect();
         let values = forward.shares(&slabs)?;
@@ -185,10 +186,7 @@ impl Inversion {
         let start = |near: &Slab| {
             [(near.absorption + SMALL_ABSORPTION).ln(), (near.reduced_scattering() + SMALL_SCATTERING).ln()]
         };
-        let bounds = [
-            [SMALL_ABSORPTION.ln(), MOST.ln()],
-            [SMALL_SCATTERING.ln(), MOST.ln()],
-        ];
+        let bounds = [[SMALL_ABSORPTION.ln(), MOST.ln()], [SMALL_SCATTERING.ln(), MOST.ln()]];
         let minimum = self.best([r, t], bounds, start, slab)?;
         Ok((slab(minimum.at), Kind::Coefficients, minimum.residual))
     }
@@ -449,9 +447,8 @@ fn solve(mut a: [[f64; 3]; 3], mut b: [f64; 3], n: usize) -> [f64; 3] {
         }
         for i in k + 1..n {
             let factor = a[i][k] / a[k][k];
-            for j in k..n {
-                a[i][j] -= factor * a[k][j];
-            }
+            let upper = a[k];
+            a[i].iter_mut().zip(upper).skip(k).for_each(|(value, above)| *value -= factor * above);
             b[i] -= factor * b[k];
         }
     }

@@ -109,11 +109,7 @@ fn step(point: &Point, bounds: [[f64; 2]; 2], damping: f64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    fn run(
-        start: [f64; 2],
-        bounds: [[f64; 2]; 2],
-        residuals: impl Fn([f64; 2]) -> [f64; 2],
-    ) -> Minimum {
+    fn run(start: [f64; 2], bounds: [[f64; 2]; 2], residuals: impl Fn([f64; 2]) -> [f64; 2]) -> Minimum {
         let all = |points: &[[f64; 2]]| Ok::<_, ()>(points.iter().map(|p| residuals(*p)).collect());
         minimise(start, bounds, all).unwrap()
     }

@@ -199,9 +199,7 @@ impl Invert {
         Measured {
             reflectance: total(row.reflectance),
             transmittance: total(row.transmittance),
-            unscattered: row
-                .unscattered
-                .map(|value| Estimate { value, error: (self.unscattered_error * value).abs() }),
+            unscattered: row.unscattered.map(|value| Estimate { value, error: (self.unscattered_error * value).abs() }),
         }
     }
 

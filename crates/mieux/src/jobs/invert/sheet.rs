@@ -148,7 +148,8 @@ impl InvertSheet {
         }
         let remarks: Vec<Option<String>> = self.rows.iter().map(Inverted::remark).collect();
         value.insert("remarks".into(), json!(remarks));
-        let measured = |pick: fn(&RxtRow) -> Option<f64>| json!(self.rows.iter().map(|r| pick(&r.row)).collect::<Vec<_>>());
+        let measured =
+            |pick: fn(&RxtRow) -> Option<f64>| json!(self.rows.iter().map(|r| pick(&r.row)).collect::<Vec<_>>());
         value.insert("reflectance".into(), measured(|r| r.reflectance));
         value.insert("transmittance".into(), measured(|r| r.transmittance));
         value.insert("transmittance_unscattered".into(), measured(|r| r.unscattered));
