@@ -7,9 +7,8 @@
 
 use std::error::Error;
 
-use mieux_optics::transfer::{
-    AddingDoubling, DiscreteOrdinates, Estimate, Ground, Incidence, Inversion, Layer, Measured, Moments, Sample, Stack,
-};
+use mieux_optics::transfer::inverse::{Estimate, Inversion, Measured, Sample};
+use mieux_optics::transfer::{AddingDoubling, DiscreteOrdinates, Ground, Incidence, Layer, Moments, Stack};
 use rustix::time::{ClockId, clock_gettime};
 
 /// Processor time used so far, s.

@@ -56,10 +56,9 @@ impl Columns {
             return Err(words.at_end("the file ends after its header".into()).with_help(HELP));
         };
         let span = first.span.start..last.span.end;
-        if let ([word], Ok(count)) = (legend, first.text.parse::<usize>())
+        if let ([_], Ok(count)) = (legend, first.text.parse::<usize>())
             && (1..=7).contains(&count)
         {
-            debug_assert!(word.line > 0);
             return Ok(Self::Count(count));
         }
         if first.text.starts_with(|c: char| !c.is_alphabetic()) {

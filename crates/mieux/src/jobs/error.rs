@@ -15,7 +15,7 @@ use mieux_optics::medium::MediumError;
 use mieux_optics::mie::MieError;
 use mieux_optics::phase::PhaseError;
 use mieux_optics::spectrum::SpectrumError;
-use mieux_optics::transfer::InverseError;
+use mieux_optics::transfer::inverse::InverseError;
 use mieux_render::render::RenderError;
 
 /// Why a job did not get to its end.

@@ -45,6 +45,9 @@ impl Default for AddingDoubling {
     }
 }
 
+/// Beams along the horizon are followed at this cosine: no share differs by more than some 1e-11.
+const GRAZING: f64 = 1e-12;
+
 impl AddingDoubling {
     /// With another number of streams.
     ///
@@ -86,7 +89,7 @@ impl AddingDoubling {
         for incidence in incidences {
             if let Incidence::Beam(cosine) = *incidence {
                 check_cosine(cosine)?;
-                beams.push(cosine);
+                beams.push(cosine.max(GRAZING));
             }
         }
         let plans: Vec<Plan> = stacks.iter().map(|stack| Plan::new(stack, self.streams, self.cut_peak)).collect();

@@ -90,13 +90,13 @@ pub struct Found {
 /// Inverts measurements of samples of one kind.
 ///
 /// ```
-/// use mieux_optics::transfer::{Estimate, Inversion, Measured, Sample};
+/// use mieux_optics::transfer::inverse::{Estimate, Inversion, Measured, Sample};
 ///
 /// let exact = |value| Some(Estimate { value, error: 0.0 });
 /// let measured = Measured { reflectance: exact(0.4), transmittance: exact(0.1), unscattered: exact(0.002) };
 /// let found = Inversion::new(Sample::default(), 32)?.invert(&measured)?;
 /// assert!((found.asymmetry.value - 0.3116).abs() < 1e-3 && found.misfit.is_none());
-/// # Ok::<(), mieux_optics::transfer::InverseError>(())
+/// # Ok::<(), mieux_optics::transfer::inverse::InverseError>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Inversion {
@@ -363,8 +363,7 @@ impl Inversion {
         let value = |estimate: Option<Estimate>| estimate.map(|e| e.value);
         let [r, t, u] = [measured.reflectance, measured.transmittance, measured.unscattered].map(value);
         let most = self.forward.clear_transmittance();
-        if let Some(u) = u.filter(|u| *u > most * (1.0 + 1e-12)) {
-            debug_assert!(u > most);
+        if u.is_some_and(|u| u > most * (1.0 + 1e-12)) {
             return Some(Misfit::UnscatteredAboveSurfaces { most });
         }
         if residual <= SOLVED {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use mieux_io::output::OutputDir;
 use mieux_io::quantity::Length;
 use mieux_io::rxt::{Rxt, RxtRow};
-use mieux_optics::transfer::{Estimate, InverseError, Inversion, Measured, Sample};
+use mieux_optics::transfer::inverse::{Estimate, InverseError, Inversion, Measured, Sample};
 use serde::{Deserialize, Serialize};
 
 use super::{Context, Event, JobError, Stage};

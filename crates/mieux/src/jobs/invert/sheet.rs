@@ -3,7 +3,7 @@
 use mieux_io::plot::{self, inversion_figure};
 use mieux_io::rxt::RxtRow;
 use mieux_io::table::Table;
-use mieux_optics::transfer::{Estimate, Found, InverseError, Sample};
+use mieux_optics::transfer::inverse::{Estimate, Found, InverseError, Sample};
 use serde_json::{Value, json};
 
 use super::JobError;
