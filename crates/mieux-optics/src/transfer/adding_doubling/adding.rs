@@ -51,12 +51,15 @@ impl<S: Simd> Total<S> {
     fn ground(simd: S, plans: &[&Plan; MAX_LANES], table: &Table<S>) -> Self {
         let zero = Re::splat(simd, 0.0);
         let n = table.len();
-        let share = |wanted: fn(Ground) -> f64| {
-            let lanes: LaneArray = std::array::from_fn(|lane| wanted(plans[lane].stack.ground));
-            Re::load(simd, &lanes)
-        };
-        let mirror = share(|ground| if let Ground::Mirror(share) = ground { share } else { 0.0 });
-        let diffuse = share(|ground| if let Ground::Lambertian(share) = ground { share } else { 0.0 });
+        let (mut mirror, mut diffuse) = ([0.0; MAX_LANES], [0.0; MAX_LANES]);
+        for (lane, plan) in plans.iter().enumerate() {
+            match plan.stack.ground {
+                Ground::Black => {}
+                Ground::Lambertian(share) => diffuse[lane] = share,
+                Ground::Mirror(share) => mirror[lane] = share,
+            }
+        }
+        let (mirror, diffuse) = (Re::load(simd, &mirror), Re::load(simd, &diffuse));
         let kept = Re::splat(simd, 2.0 * PI) * (Re::splat(simd, 1.0) - mirror - diffuse);
         let roots = table.roots.clone();
         let mixing = diffuse / dot(&roots, &roots, zero);

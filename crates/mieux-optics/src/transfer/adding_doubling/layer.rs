@@ -108,26 +108,8 @@ fn rates<S: Simd>(
 ) -> (Matrix<S>, Matrix<S>, Re<S>) {
     let zero = Re::splat(simd, 0.0);
     let n = table.len();
-    let strengths = |degree: usize| {
-        let lanes: LaneArray = std::array::from_fn(|lane| {
-            let scaled = &plans[lane].layers[layer];
-            scaled.moments.get(degree).map_or(0.0, |chi| scaled.albedo * (2 * degree + 1) as f64 * chi)
-        });
-        Re::load(simd, &lanes)
-    };
-    let [mut even, mut odd] = [0, 1].map(|parity| {
-        let degrees: Vec<usize> = (parity..table.functions.columns).step_by(2).collect();
-        let mut functions = Matrix { columns: degrees.len(), data: Vec::with_capacity(n * degrees.len()) };
-        for i in 0..n {
-            let row = table.functions.row(i);
-            functions.data.extend(degrees.iter().map(|degree| row[*degree]));
-        }
-        let mut strength = Vec::with_capacity(degrees.len());
-        for degree in degrees {
-            strength.push(strengths(degree));
-        }
-        rate(simd, &functions, &strength, table)
-    });
+    let mut even = rate(simd, plans, layer, table, 0);
+    let mut odd = rate(simd, plans, layer, table, 1);
     reflect_both_sides(&mut even, &table.mirror, zero);
     reflect_both_sides(&mut odd, &table.mirror, zero);
     // What is known of equal radiance.
@@ -146,15 +128,29 @@ fn rates<S: Simd>(
     (odd, even, least)
 }
 
-/// `M^-1/2 (1 - sum_l c_l p_l p_l^T) M^-1/2`.
+/// `M^-1/2 (1 - sum_l c_l p_l p_l^T) M^-1/2` over degrees of one parity.
 #[inline(always)]
-fn rate<S: Simd>(simd: S, functions: &Matrix<S>, strength: &[Re<S>], table: &Table<S>) -> Matrix<S> {
+fn rate<S: Simd>(simd: S, plans: &[&Plan; MAX_LANES], layer: usize, table: &Table<S>, parity: usize) -> Matrix<S> {
     let n = table.len();
     let zero = Re::splat(simd, 0.0);
+    let degrees = table.functions.columns.saturating_sub(parity).div_ceil(2);
+    let mut functions = Matrix { columns: degrees, data: Vec::with_capacity(n * degrees) };
+    for i in 0..n {
+        functions.data.extend(table.functions.row(i).iter().skip(parity).step_by(2));
+    }
+    let mut strength = Vec::with_capacity(degrees);
+    for j in 0..degrees {
+        let mut lanes = [0.0; MAX_LANES];
+        for (lane, out) in lanes.iter_mut().enumerate() {
+            let (scaled, degree) = (&plans[lane].layers[layer], 2 * j + parity);
+            *out = scaled.moments.get(degree).map_or(0.0, |chi| scaled.albedo * (2 * degree + 1) as f64 * chi);
+        }
+        strength.push(Re::load(simd, &lanes));
+    }
     let mut rate = Matrix::zeros(simd, n, n);
     for i in 0..n {
         let mut weighted = functions.row(i).to_vec();
-        multiply(&mut weighted, strength);
+        multiply(&mut weighted, &strength);
         for j in 0..=i {
             let scattered = dot(&weighted, functions.row(j), zero) * table.inverse_root[i] * table.inverse_root[j];
             rate.data[i * n + j] = zero - scattered;
@@ -221,7 +217,10 @@ fn doublings<S: Simd>(c: &Matrix<S>, thickness: Re<S>) -> i32 {
 fn start<S: Simd>(simd: S, c: Matrix<S>, t: Re<S>) -> (Matrix<S>, Matrix<S>) {
     let n = c.columns;
     let zero = Re::splat(simd, 0.0);
-    let constant = |j: usize| Re::splat(simd, PADE[j]);
+    let mut constants = [zero; 8];
+    for (constant, value) in constants.iter_mut().zip(PADE) {
+        *constant = Re::splat(simd, value);
+    }
     let mut z = c;
     scale(&mut z.data, t * t);
     let (mut z2, mut z3) = (Matrix::zeros(simd, n, n), Matrix::zeros(simd, n, n));
@@ -230,12 +229,12 @@ fn start<S: Simd>(simd: S, c: Matrix<S>, t: Re<S>) -> (Matrix<S>, Matrix<S>) {
     let (mut even, mut odd) = (Matrix::zeros(simd, n, n), Matrix::zeros(simd, n, n));
     for i in 0..n * n {
         let (z, z2, z3) = (z.data[i], z2.data[i], z3.data[i]);
-        even.data[i] = constant(6).mul_add(z3, constant(4).mul_add(z2, constant(2) * z));
-        odd.data[i] = constant(7).mul_add(z3, constant(5).mul_add(z2, constant(3) * z));
+        even.data[i] = constants[6].mul_add(z3, constants[4].mul_add(z2, constants[2] * z));
+        odd.data[i] = constants[7].mul_add(z3, constants[5].mul_add(z2, constants[3] * z));
     }
     for i in 0..n {
-        even.data[i * n + i] = even.data[i * n + i] + constant(0);
-        odd.data[i * n + i] = odd.data[i * n + i] + constant(1);
+        even.data[i * n + i] = even.data[i * n + i] + constants[0];
+        odd.data[i * n + i] = odd.data[i * n + i] + constants[1];
     }
     // tanh(y/2) = y O / E with y^2 = Z: all are functions of Z, so that products are symmetric.
     let mut y = Matrix::zeros(simd, n, n);
