@@ -12,7 +12,7 @@ pub(super) enum Columns {
 }
 
 /// What the letters mean. Those that are only looked at with spheres are read and left.
-const LETTERS: [(char, &str); 20] = [
+const LETTERS: [(char, &str); 21] = [
     ('L', "the wavelength in nm"),
     ('r', "the total reflectance"),
     ('t', "the total transmittance"),
@@ -33,6 +33,7 @@ const LETTERS: [(char, &str); 20] = [
     ('S', "the number of spheres"),
     ('T', "the reflectance of the transmission standard"),
     ('w', "the reflectance of the wall"),
+    ('W', "the reflectance of the wall of the transmission sphere"),
 ];
 
 /// What the measurements of a row are, in the customary order.
@@ -69,7 +70,7 @@ impl Columns {
         let mut letters = Vec::new();
         for word in legend {
             for letter in word.text.chars().filter(|c| *c != '-') {
-                if letter != 'W' && !LETTERS.iter().any(|(known, _)| *known == letter) {
+                if !LETTERS.iter().any(|(known, _)| *known == letter) {
                     let message = format!("no column is called `{letter}`");
                     let known: Vec<String> = LETTERS.iter().map(|(letter, what)| format!("{letter}: {what}")).collect();
                     return Err(words.at(word.span.clone(), message).with_help(known.join("; ")));

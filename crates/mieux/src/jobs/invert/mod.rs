@@ -235,3 +235,22 @@ pub struct InvertReport {
     /// The files written.
     pub files: Vec<PathBuf>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Job;
+    use super::*;
+
+    #[test]
+    fn is_written_down_and_read_back() {
+        let text =
+            r#"{"job": "invert", "measured": {"one": {"reflectance": 0.4}}, "thickness": "2 mm", "asymmetry": 0.9}"#;
+        let job: Job = serde_json::from_str(text).unwrap();
+        let Job::Invert(invert) = &job else { panic!("{job:?}") };
+        assert_eq!(invert.measured, Slabs::One { reflectance: Some(0.4), transmittance: None, unscattered: None });
+        assert_eq!((invert.streams, invert.error), (Invert::DEFAULT_STREAMS, Invert::DEFAULT_ERROR));
+        let again: Job = serde_json::from_str(&serde_json::to_string(&job).unwrap()).unwrap();
+        assert_eq!(job, again);
+        assert!(serde_json::from_str::<Job>(&text.replace("asymmetry", "asymetry")).is_err());
+    }
+}
