@@ -7,6 +7,7 @@ use mieux::io::quantity::{Size, parse_duration, parse_fraction};
 use mieux::io::recipe::{RecipeError, parse_setting};
 use mieux::jobs::{Approximation, Optics, Render, Stop};
 
+use crate::invert::InvertArgs;
 use crate::mie::MieArgs;
 use crate::paint::PaintCommand;
 use crate::phase::PhaseArgs;
@@ -45,6 +46,8 @@ pub enum Command {
     /// Fit paints to measurements, mix them, and find recipes for colours
     #[command(subcommand)]
     Paint(PaintCommand),
+    /// Find absorption, scattering and asymmetry from measured reflectance and transmittance
+    Invert(InvertArgs),
     /// Print a completion script for a shell
     Completions {
         /// Shell to complete for

@@ -6,6 +6,7 @@ use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use mieux::io::TextError;
 use mieux::io::paint::PaintFileError;
 use mieux::io::recipe::RecipeError;
+use mieux::io::rxt::RxtError;
 use mieux::io::slab_file::SlabFileError;
 use mieux::jobs::JobError;
 
@@ -72,13 +73,15 @@ impl Failure {
         let place: Option<&TextError> = match error.as_ref() {
             JobError::Recipe(RecipeError::Text(text))
             | JobError::SlabFile(SlabFileError::Text(text))
+            | JobError::Rxt(RxtError::Text(text))
             | JobError::PaintFile(PaintFileError::Text(text)) => Some(text),
             _ => None,
         };
         if let Some(text) = place {
             let label = LabeledSpan::new_with_span(Some("here".into()), text.span.clone());
+            let language = if matches!(*error, JobError::Rxt(_)) { "text" } else { "toml" };
             report = Report::new(diagnostic.with_label(label))
-                .with_source_code(NamedSource::new(&text.name, text.text.clone()).with_language("toml"));
+                .with_source_code(NamedSource::new(&text.name, text.text.clone()).with_language(language));
         }
         eprintln!("{report:?}");
         ExitCode::from(code)

@@ -2,6 +2,7 @@
 
 mod args;
 mod failure;
+mod invert;
 mod mie;
 mod paint;
 mod phase;
@@ -67,6 +68,12 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
                 Report::PaintMix(report) => paint::show_mix(&report, format)?,
                 Report::PaintMatch(report) => paint::show_match(&report, format)?,
                 _ => {}
+            }
+        }
+        Command::Invert(args) => {
+            let format = args.format;
+            if let Report::Invert(report) = run_job(&Job::Invert(args.job()), format == Format::Table)? {
+                invert::show(&report, format)?;
             }
         }
         Command::Render(args) => {

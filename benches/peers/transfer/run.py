@@ -93,7 +93,7 @@ def workloads():
         Workload("radiance-32-corrected", "the same, corrected after Nakajima and Tanaka with 300 moments", "radiance", 32,
                  moments=300, correction=True, **view, **slabs(3, 400, 1, 0.9)),
         Workload("adding-16", "adding-doubling, 16 points, n = 1.5: R, T of a normal beam and of diffuse light", "adding", 16,
-                 moments=16, index=1.5, **slabs(4, 400, 1, 0.95)),
+                 moments=32, index=1.5, **slabs(4, 400, 1, 0.95)),
         Workload("inversion-16", "(R, T, unscattered T) to (albedo, tau, g), 16 points, n = 1.4, slides 1.5", "inversion", 16,
                  moments=16, index=1.4, slides=1.5, measured=measured),
     ]

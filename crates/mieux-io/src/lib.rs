@@ -11,6 +11,7 @@ pub mod plot;
 pub mod quantity;
 pub mod recipe;
 pub mod rows;
+pub mod rxt;
 pub mod scene;
 pub mod slab_file;
 pub mod table;

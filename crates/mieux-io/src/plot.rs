@@ -6,6 +6,7 @@
 //! material's optical properties; [`efficiency_figure`], [`phase_figure`] and [`polarisation_figure`] show one particle.
 
 mod axis;
+mod inversion;
 mod legend;
 mod mie;
 mod optics;
@@ -22,6 +23,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, TextAnchor};
 
 use axis::Axis;
+pub use inversion::{Measured, inversion_figure};
 pub use mie::{SizePlot, efficiency_figure, phase_figure, polarisation_figure};
 pub use optics::{OpticsPlot, optics_figure, optics_svg};
 pub use phase::comparison_figure;

@@ -7,8 +7,9 @@
 
 use std::error::Error;
 
+use mieux_optics::transfer::inverse::{Estimate, Inversion, Measured, Sample};
 use mieux_optics::transfer::{
-    DiscreteOrdinates, Ground, Incidence, Layer, Light, Moments, Place, Radiances, Stack, Views,
+    AddingDoubling, DiscreteOrdinates, Ground, Incidence, Layer, Light, Moments, Place, Radiances, Stack, Views,
 };
 use rustix::time::{ClockId, clock_gettime};
 
@@ -92,8 +93,8 @@ fn solve(problems: &Problems) -> Result<Option<(f64, Values)>, Box<dyn Error>> {
     match problems.task.as_str() {
         "flux" => flux(problems).map(Some),
         "radiance" => radiance(problems).map(Some),
-        "adding" => problems.stacks().map(|_| None),
-        "inversion" => Ok(None),
+        "adding" => adding(problems).map(Some),
+        "inversion" => inversion(problems).map(Some),
         other => Err(format!("unknown task {other:?}").into()),
     }
 }
@@ -133,6 +134,33 @@ fn radiance(problems: &Problems) -> Result<(f64, Values), Box<dyn Error>> {
         row
     };
     Ok((seconds, found.iter().map(row).collect()))
+}
+
+/// R and T of a beam, R and T of diffuse light. The streams asked for are those of one hemisphere.
+fn adding(problems: &Problems) -> Result<(f64, Values), Box<dyn Error>> {
+    let stacks = problems.stacks()?;
+    let solver = AddingDoubling::with_streams(2 * problems.streams)?;
+    let start = cpu_seconds();
+    let shares = solver.shares_of(&stacks, &[problems.incidence(), Incidence::Diffuse])?;
+    let seconds = cpu_seconds() - start;
+    let values = shares.iter().map(|s| s.iter().flat_map(|s| [s.reflectance, s.transmittance]).collect()).collect();
+    Ok((seconds, values))
+}
+
+/// Albedo, optical thickness and g; what is made ready once for all measurements counts.
+fn inversion(problems: &Problems) -> Result<(f64, Values), Box<dyn Error>> {
+    let measured = |row: &Vec<f64>| {
+        let &[r, t, u] = row.as_slice() else { return Err("a measurement is three numbers") };
+        let exact = |value| Some(Estimate { value, error: 0.0 });
+        Ok(Measured { reflectance: exact(r), transmittance: exact(t), unscattered: exact(u) })
+    };
+    let all = problems.rows.iter().map(measured).collect::<Result<Vec<_>, _>>()?;
+    let sample = Sample { refractive_index: problems.index, slide_index: problems.slides, ..Sample::default() };
+    let start = cpu_seconds();
+    let inversion = Inversion::new(sample, 2 * problems.streams)?;
+    let found = all.iter().map(|measured| inversion.invert(measured)).collect::<Result<Vec<_>, _>>()?;
+    let seconds = cpu_seconds() - start;
+    Ok((seconds, found.iter().map(|f| vec![f.albedo, f.optical_thickness, f.asymmetry.value]).collect()))
 }
 
 /// What follows a word on the command line.

@@ -1,5 +1,7 @@
 //! Everything that can keep a job from its end.
 
+use std::path::PathBuf;
+
 use mieux_io::checkpoint::CheckpointError;
 use mieux_io::image::ImageError;
 use mieux_io::output::OutputError;
@@ -8,6 +10,7 @@ use mieux_io::plot::PlotError;
 use mieux_io::quantity::{Length, QuantityError};
 use mieux_io::recipe::RecipeError;
 use mieux_io::rows::RowsError;
+use mieux_io::rxt::RxtError;
 use mieux_io::slab_file::SlabFileError;
 use mieux_io::table::TableError;
 use mieux_optics::medium::MediumError;
@@ -16,6 +19,7 @@ use mieux_optics::paint::PaintError;
 use mieux_optics::phase::PhaseError;
 use mieux_optics::spectrum::SpectrumError;
 use mieux_optics::transfer::TransferError;
+use mieux_optics::transfer::inverse::InverseError;
 use mieux_render::detector::slab::SlabWalkError;
 use mieux_render::render::RenderError;
 
@@ -85,6 +89,20 @@ pub enum JobError {
     /// Settings of a slab that do not go together.
     #[error(transparent)]
     Slab(#[from] SlabError),
+    /// A file of measured slabs.
+    #[error(transparent)]
+    Rxt(#[from] RxtError),
+    /// A measured slab that cannot be.
+    #[error(transparent)]
+    Inverse(#[from] InverseError),
+    /// Measurements that integrating spheres have changed.
+    #[error("`{}` was measured with {spheres} integrating sphere(s), for which nothing is corrected here", path.display())]
+    Spheres {
+        /// The file.
+        path: PathBuf,
+        /// How many at a time.
+        spheres: u32,
+    },
     /// A setting that none of the materials of a scene has.
     #[error("no material of the scene {scene} has an input `{input}`")]
     NoSuchInput {
@@ -158,10 +176,14 @@ impl JobError {
             Self::Rows(RowsError::Missing { help, .. }) => Some(help.clone()),
             Self::Recipe(RecipeError::Text(error))
             | Self::SlabFile(SlabFileError::Text(error))
+            | Self::Rxt(RxtError::Text(error))
             | Self::PaintFile(PaintFileError::Text(error)) => error.help.clone(),
             Self::NoSuchPaint { help, .. } => Some(help.clone()),
             Self::Paint(PaintError::Relative { .. }) => {
                 Some("fit again with `--reference-hides`, the thickness at which the reference by itself hides".into())
+            }
+            Self::Spheres { .. } => {
+                Some("give `--corrected` if the reflectances and transmittances in it are those of the sample".into())
             }
             Self::Checkpoint(CheckpointError::Read { .. }) => Some("leave out `--resume` to begin anew".into()),
             Self::Checkpoint(_) => Some("leave out `--resume` to begin anew, or give another folder with `-o`".into()),

@@ -4,6 +4,7 @@
 
 mod error;
 mod event;
+mod invert;
 mod mie;
 mod optics;
 mod paint;
@@ -16,6 +17,7 @@ use serde::{Deserialize, Serialize};
 
 pub use error::JobError;
 pub use event::{Context, Event, Stage};
+pub use invert::{Invert, InvertReport, InvertSheet, Inverted, Slabs};
 pub use mie::{Coat, Definition, Directional, Mie, MieBatch, MieBatchReport, MieReport, MieSheet, Particle};
 pub use optics::{Optics, OpticsReport};
 pub use paint::{
@@ -54,6 +56,8 @@ pub enum Job {
     PaintMix(PaintMix),
     /// A recipe for a wanted colour.
     PaintMatch(PaintMatch),
+    /// What measured slabs are made of.
+    Invert(Invert),
 }
 
 /// What a job leaves besides its files.
@@ -79,6 +83,8 @@ pub enum Report {
     PaintMix(Box<PaintMixReport>),
     /// Of [`Job::PaintMatch`].
     PaintMatch(Box<PaintMatchReport>),
+    /// Of [`Job::Invert`].
+    Invert(Box<InvertReport>),
 }
 
 impl Job {
@@ -98,6 +104,7 @@ impl Job {
             Self::PaintFit(job) => job.run(context).map(|report| Report::PaintFit(Box::new(report))),
             Self::PaintMix(job) => job.run(context).map(|report| Report::PaintMix(Box::new(report))),
             Self::PaintMatch(job) => job.run(context).map(|report| Report::PaintMatch(Box::new(report))),
+            Self::Invert(job) => job.run(context).map(|report| Report::Invert(Box::new(report))),
         }
     }
 }

@@ -5,7 +5,7 @@ use super::plan::Plan;
 
 /// A beam and all its reflections. Fluxes are onto the horizontal.
 #[derive(Debug, Clone)]
-pub(super) struct BeamLine {
+pub(in crate::transfer) struct BeamLine {
     /// Of each layer.
     pub layers: Vec<BeamInLayer>,
     /// Goes back above.
@@ -15,7 +15,7 @@ pub(super) struct BeamLine {
 }
 
 #[derive(Debug, Clone, Copy)]
-pub(super) struct BeamInLayer {
+pub(in crate::transfer) struct BeamInLayer {
     /// 1 where the beam does not enter.
     pub cosine: f64,
     /// At the top.
@@ -25,7 +25,7 @@ pub(super) struct BeamInLayer {
 }
 
 /// How thick a layer is to the beam.
-pub(super) enum Thickness {
+pub(in crate::transfer) enum Thickness {
     /// As the sweep has it: the forward peak is not scattered.
     Scaled,
     /// As it is.

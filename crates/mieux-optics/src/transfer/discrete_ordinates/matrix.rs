@@ -6,7 +6,7 @@ use crate::lanes::Re;
 
 /// A row-major matrix in every lane.
 #[derive(Clone)]
-pub(super) struct Matrix<S: Simd> {
+pub(in crate::transfer) struct Matrix<S: Simd> {
     pub columns: usize,
     pub data: Vec<Re<S>>,
 }
@@ -42,7 +42,7 @@ impl<S: Simd> Matrix<S> {
 
 /// Four sums at a time, so that no step waits for the one before.
 #[inline(always)]
-pub(super) fn dot<S: Simd>(a: &[Re<S>], b: &[Re<S>], zero: Re<S>) -> Re<S> {
+pub(in crate::transfer) fn dot<S: Simd>(a: &[Re<S>], b: &[Re<S>], zero: Re<S>) -> Re<S> {
     let mut sums = [zero; 4];
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
     let mut rest = zero;
@@ -59,7 +59,7 @@ pub(super) fn dot<S: Simd>(a: &[Re<S>], b: &[Re<S>], zero: Re<S>) -> Re<S> {
 
 /// `y += factor x`.
 #[inline(always)]
-pub(super) fn add_scaled<S: Simd>(y: &mut [Re<S>], factor: Re<S>, x: &[Re<S>]) {
+pub(in crate::transfer) fn add_scaled<S: Simd>(y: &mut [Re<S>], factor: Re<S>, x: &[Re<S>]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y = factor.mul_add(*x, *y);
     }
@@ -67,7 +67,7 @@ pub(super) fn add_scaled<S: Simd>(y: &mut [Re<S>], factor: Re<S>, x: &[Re<S>]) {
 
 /// `y -= factor x`.
 #[inline(always)]
-pub(super) fn subtract_scaled<S: Simd>(y: &mut [Re<S>], factor: Re<S>, x: &[Re<S>]) {
+pub(in crate::transfer) fn subtract_scaled<S: Simd>(y: &mut [Re<S>], factor: Re<S>, x: &[Re<S>]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y = factor.neg_mul_add(*x, *y);
     }
@@ -75,7 +75,7 @@ pub(super) fn subtract_scaled<S: Simd>(y: &mut [Re<S>], factor: Re<S>, x: &[Re<S
 
 /// `y = factor y`. (Loops, not closures: only what is inlined runs in wide registers.)
 #[inline(always)]
-pub(super) fn scale<S: Simd>(y: &mut [Re<S>], factor: Re<S>) {
+pub(in crate::transfer) fn scale<S: Simd>(y: &mut [Re<S>], factor: Re<S>) {
     for y in y {
         *y = *y * factor;
     }
@@ -83,7 +83,7 @@ pub(super) fn scale<S: Simd>(y: &mut [Re<S>], factor: Re<S>) {
 
 /// `y = x y`, one by one.
 #[inline(always)]
-pub(super) fn multiply<S: Simd>(y: &mut [Re<S>], x: &[Re<S>]) {
+pub(in crate::transfer) fn multiply<S: Simd>(y: &mut [Re<S>], x: &[Re<S>]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y = *y * *x;
     }
@@ -91,7 +91,7 @@ pub(super) fn multiply<S: Simd>(y: &mut [Re<S>], x: &[Re<S>]) {
 
 /// `A x`.
 #[inline(always)]
-pub(super) fn apply<S: Simd>(a: &Matrix<S>, x: &[Re<S>], zero: Re<S>) -> Vec<Re<S>> {
+pub(in crate::transfer) fn apply<S: Simd>(a: &Matrix<S>, x: &[Re<S>], zero: Re<S>) -> Vec<Re<S>> {
     let mut y = Vec::with_capacity(a.rows());
     for i in 0..a.rows() {
         y.push(dot(a.row(i), x, zero));
@@ -101,7 +101,7 @@ pub(super) fn apply<S: Simd>(a: &Matrix<S>, x: &[Re<S>], zero: Re<S>) -> Vec<Re<
 
 /// `A x + b`.
 #[inline(always)]
-pub(super) fn apply_add<S: Simd>(a: &Matrix<S>, x: &[Re<S>], b: &[Re<S>], zero: Re<S>) -> Vec<Re<S>> {
+pub(in crate::transfer) fn apply_add<S: Simd>(a: &Matrix<S>, x: &[Re<S>], b: &[Re<S>], zero: Re<S>) -> Vec<Re<S>> {
     let mut y = Vec::with_capacity(a.rows());
     for (i, b) in b.iter().enumerate() {
         y.push(dot(a.row(i), x, zero) + *b);
@@ -111,7 +111,7 @@ pub(super) fn apply_add<S: Simd>(a: &Matrix<S>, x: &[Re<S>], b: &[Re<S>], zero: 
 
 /// `A B`.
 #[inline(always)]
-pub(super) fn product<S: Simd>(simd: S, a: &Matrix<S>, b: &Matrix<S>) -> Matrix<S> {
+pub(in crate::transfer) fn product<S: Simd>(simd: S, a: &Matrix<S>, b: &Matrix<S>) -> Matrix<S> {
     let mut c = Matrix::zeros(simd, a.rows(), b.columns);
     for i in 0..a.rows() {
         let row = c.row_mut(i);
@@ -131,7 +131,7 @@ pub(super) fn product<S: Simd>(simd: S, a: &Matrix<S>, b: &Matrix<S>) -> Matrix<
 
 /// `A B^T`, which the caller knows to be symmetric.
 #[inline(always)]
-pub(super) fn symmetric_product<S: Simd>(simd: S, a: &Matrix<S>, b: &Matrix<S>) -> Matrix<S> {
+pub(in crate::transfer) fn symmetric_product<S: Simd>(simd: S, a: &Matrix<S>, b: &Matrix<S>) -> Matrix<S> {
     let n = a.rows();
     let zero = Re::splat(simd, 0.0);
     let mut c = Matrix::zeros(simd, n, n);
@@ -148,7 +148,7 @@ pub(super) fn symmetric_product<S: Simd>(simd: S, a: &Matrix<S>, b: &Matrix<S>) 
 /// The lower Cholesky factor of a symmetric positive matrix, with the inverses of its diagonal on the diagonal; above it
 /// is 0. A direction without stiffness (a pivot of 0) is left out: its inverse counts as 0.
 #[derive(Clone)]
-pub(super) struct Cholesky<S: Simd>(pub Matrix<S>);
+pub(in crate::transfer) struct Cholesky<S: Simd>(pub Matrix<S>);
 
 impl<S: Simd> Cholesky<S> {
     /// Of a matrix whose lower half counts; and the least pivot of each lane.

@@ -5,7 +5,7 @@
 //! down, `shares.rs`, `fluxes.rs` and `radiance.rs` read off what is asked. Several problems are solved abreast, one per lane: stacks of
 //! one shape (the wavelengths of a spectrum), or the orders of an expansion in azimuth.
 
-mod beam;
+pub(super) mod beam;
 mod crossing;
 mod depth;
 mod drivers;
@@ -14,12 +14,12 @@ mod fluxes;
 mod forward_peak;
 mod gathered;
 mod legendre;
-mod matrix;
+pub(super) mod matrix;
 mod modes;
-mod plan;
+pub(super) mod plan;
 mod radiance;
 mod ray;
-mod shares;
+pub(super) mod shares;
 mod sweep;
 mod views;
 
@@ -129,7 +129,7 @@ impl DiscreteOrdinates {
     }
 }
 
-fn check_cosine(value: f64) -> Result<(), TransferError> {
+pub(super) fn check_cosine(value: f64) -> Result<(), TransferError> {
     if value > 0.0 && value <= 1.0 { Ok(()) } else { Err(TransferError::Cosine { value }) }
 }
 

@@ -8,7 +8,7 @@ use super::super::{
 
 /// A stack as the sweep sees it.
 #[derive(Debug, Clone)]
-pub(super) struct Plan<'a> {
+pub(in crate::transfer) struct Plan<'a> {
     pub stack: &'a Stack,
     /// The different refractive indices, each with its streams; more streams the greater the index.
     pub media: Vec<Medium>,
@@ -21,7 +21,7 @@ pub(super) struct Plan<'a> {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Medium {
+pub(in crate::transfer) struct Medium {
     pub index: f64,
     pub streams: Vec<Stream>,
 }
@@ -43,7 +43,7 @@ impl Medium {
 
 /// A layer whose forward peak counts as light that was not scattered (delta-M; `wiscombe1977`).
 #[derive(Debug, Clone)]
-pub(super) struct Scaled {
+pub(in crate::transfer) struct Scaled {
     /// Into [`Plan::media`].
     pub medium: usize,
     pub thickness: f64,
@@ -58,7 +58,7 @@ pub(super) struct Scaled {
 
 /// What lies between two media.
 #[derive(Debug, Clone)]
-pub(super) struct Plane {
+pub(in crate::transfer) struct Plane {
     /// Indices before and beyond.
     pub indices: [f64; 2],
     /// `2 R / (1 - R)` for the streams that pass it; `None` where nothing changes.
@@ -67,7 +67,7 @@ pub(super) struct Plane {
 
 /// What stacks must share to be swept abreast.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Shape {
+pub(in crate::transfer) struct Shape {
     media: Vec<usize>,
     above: usize,
     below: usize,

@@ -160,7 +160,7 @@ impl Flows {
 }
 
 /// What is reflected and what reaches the ground without having been scattered, of light of flux 1.
-fn unscattered(plan: &Plan, incidence: Incidence) -> (f64, f64) {
+pub(in crate::transfer) fn unscattered(plan: &Plan, incidence: Incidence) -> (f64, f64) {
     let line = |cosine: f64, flux: f64| {
         let line = BeamLine::new(plan, cosine, flux, &Thickness::True);
         [line.reflected, line.on_ground]
