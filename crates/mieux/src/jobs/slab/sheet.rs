@@ -146,6 +146,10 @@ impl SlabSheet {
         self.cases.iter().enumerate().map(patch).collect()
     }
 
+    fn solver_in_words(&self) -> String {
+        if self.solver.is_approximate() { format!("{}, approximate", self.solver) } else { self.solver.to_string() }
+    }
+
     /// What was computed and how, in words: names and values.
     pub fn settings(&self) -> Vec<(String, String)> {
         let mut all: Vec<(String, String)> = Vec::new();
@@ -154,7 +158,7 @@ impl SlabSheet {
             all.extend(material.inputs.iter().map(|(i, value)| (i.name.to_owned(), format!("{value} {}", i.unit))));
         }
         all.extend(self.setting.iter().map(|(name, value)| ((*name).to_owned(), value.clone())));
-        all.push(("solver".into(), self.solver.to_string()));
+        all.push(("solver".into(), self.solver_in_words()));
         all.extend(self.streams.map(|streams| ("streams".to_owned(), streams.to_string())));
         all.extend(self.photons.map(|photons| ("photons".to_owned(), photons.to_string())));
         all.extend(self.notes.iter().map(|note| ("phase function".to_owned(), note.clone())));
@@ -348,7 +352,7 @@ impl SlabSheet {
         text.push(match (self.streams, self.photons) {
             (Some(streams), _) => format!("{}, {streams} streams", self.solver),
             (_, Some(photons)) => format!("{}, {photons} photons each", self.solver),
-            _ => self.solver.to_string(),
+            _ => self.solver_in_words(),
         });
         text.join("; ")
     }

@@ -4,7 +4,9 @@ use std::fmt;
 use std::str::FromStr;
 
 use mieux_optics::phase::PhaseFunction;
-use mieux_optics::transfer::{DiscreteOrdinates, Incidence, Shares, Stack, TransferError};
+use mieux_optics::transfer::{
+    AddingDoubling, DiscreteOrdinates, Incidence, Shares, Stack, TransferError, diffusion, kubelka_munk,
+};
 use mieux_render::detector::slab::SlabWalk;
 use mieux_render::render::Flow;
 use rayon::prelude::*;
@@ -25,19 +27,29 @@ pub enum Solver {
     Auto,
     /// [`DiscreteOrdinates`].
     DiscreteOrdinates,
+    /// [`AddingDoubling`]: along the same streams by other means.
+    Adding,
+    /// [`kubelka_munk::shares`]: two fluxes. Approximate.
+    KubelkaMunk,
+    /// [`diffusion::shares`]: one equation of diffusion. Approximate.
+    Diffusion,
     /// Photons followed one by one ([`SlabWalk`]), with standard errors.
     MonteCarlo,
 }
 
 impl Solver {
     /// All of them, the choice among them first.
-    pub const ALL: [Self; 3] = [Self::Auto, Self::DiscreteOrdinates, Self::MonteCarlo];
+    pub const ALL: [Self; 6] =
+        [Self::Auto, Self::DiscreteOrdinates, Self::Adding, Self::KubelkaMunk, Self::Diffusion, Self::MonteCarlo];
 
     /// As it is written down.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
             Self::DiscreteOrdinates => "discrete-ordinates",
+            Self::Adding => "adding",
+            Self::KubelkaMunk => "kubelka-munk",
+            Self::Diffusion => "diffusion",
             Self::MonteCarlo => "monte-carlo",
         }
     }
@@ -49,7 +61,12 @@ impl Solver {
 
     /// Whether it follows light along streams, whose number can be chosen.
     pub fn has_streams(self) -> bool {
-        matches!(self.resolved(), Self::DiscreteOrdinates)
+        matches!(self.resolved(), Self::DiscreteOrdinates | Self::Adding)
+    }
+
+    /// Whether it solves a simpler equation than that of radiative transfer.
+    pub fn is_approximate(self) -> bool {
+        matches!(self, Self::KubelkaMunk | Self::Diffusion)
     }
 
     /// Whether it sends photons, whose number and seed can be chosen.
@@ -108,6 +125,19 @@ pub(super) fn solve(solver: Solver, question: &Question<'_>, context: &Context<'
                 Ok(found.into_iter().flatten().collect())
             })
         }
+        Solver::Adding => {
+            let solver = AddingDoubling::with_streams(question.streams)?;
+            in_batches(question, context, |stacks| {
+                let found = solver.shares_of(stacks, &[question.incidence])?;
+                Ok(found.into_iter().flatten().collect())
+            })
+        }
+        Solver::KubelkaMunk => in_batches(question, context, |stacks| {
+            stacks.iter().map(|stack| kubelka_munk::shares(stack, question.incidence)).collect()
+        }),
+        Solver::Diffusion => in_batches(question, context, |stacks| {
+            stacks.iter().map(|stack| diffusion::shares(stack, question.incidence)).collect()
+        }),
         Solver::MonteCarlo => follow_photons(question, context),
     }
 }
