@@ -141,16 +141,13 @@ fn panels(figure: Figure, name: &str, measured: &Measured, modelled: &[Modelled]
     let ratio = |values: &[f64]| -> Vec<(f64, f64)> {
         // Where photons are too few, nothing is compared.
         let known = |k: &usize| measured.errors[*k] < 0.1 * measured.values[*k];
-        let within = |(_, y): &(f64, f64)| (0.0..2.0).contains(y);
-        let all = (0..middles.len()).filter(known).map(|k| (middles[k], values[k] / measured.values[k]));
-        all.filter(within).collect()
+        (0..middles.len()).filter(known).map(|k| (middles[k], values[k] / measured.values[k])).collect()
     };
     let mut left = Panel::new(name, axis, "Power per unit of ln r").with_scales(Scale::Log, Scale::Linear);
-    let mut right =
-        Panel::new("The same, over photons", axis, "Ratio").with_scales(Scale::Log, Scale::LinearOver(0.4, 1.8));
+    let mut right = Panel::new("Models over photons", axis, "Ratio").with_scales(Scale::Log, Scale::Log);
     for of in modelled {
         left = left.with_series(Series::new(of.model.name(), power(&of.values)));
-        right = right.with_series(Series::new(of.model.name(), ratio(&of.values)));
+        right = right.with_series(Series::new("", ratio(&of.values)));
     }
     let left = left.with_series(Series::new("photons", power(&measured.values)));
     figure.with_panel(left).with_panel(right)
