@@ -1,5 +1,7 @@
 //! `mieux invert` as people meet it.
 
+#![allow(clippy::print_stdout)]
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
