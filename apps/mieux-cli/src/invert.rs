@@ -123,7 +123,11 @@ pub fn show(report: &InvertReport, format: Format) -> Result<(), Failure> {
     let sheet = &report.sheet;
     match format {
         Format::Table => {
-            write!(out, "{}", sheet.table()?.to_text(4))?;
+            let table = sheet.table()?;
+            write!(out, "{}", table.to_text(4))?;
+            for (key, value) in table.metadata().iter().filter(|(key, _)| key != "flag" && key != "source") {
+                writeln!(out, "{key}: {value}")?;
+            }
             write!(out, "{}", remarks(sheet))?;
             for file in &report.files {
                 writeln!(out, "{}", file.display())?;
