@@ -232,7 +232,8 @@ impl Question<'_> {
                 let slice = &sweep.slices[layer];
                 let table = &sweep.tables[self.plan.layers[layer].medium];
                 let Some(cosine) = ray.cosines[layer] else {
-                    (0..2 * (bounds.len() - 1)).for_each(|_| drop(slots.next()));
+                    // Totally reflected elsewhere: its slots stay 0.
+                    slots.by_ref().take(2 * (bounds.len() - 1)).for_each(|_| {});
                     continue;
                 };
                 let receiver = Receiver::new(simd, &slice.modes, table, cosine);
