@@ -54,7 +54,7 @@ pub enum InverseError {
 #[non_exhaustive]
 pub enum Misfit {
     /// More comes out than falls in.
-    #[error("reflectance and transmittance add up to {sum}, more than falls in")]
+    #[error("reflectance and transmittance add up to {sum:.4}, more than falls in")]
     MoreThanFallsIn {
         /// Reflectance plus transmittance.
         sum: f64,

@@ -73,8 +73,8 @@ impl FromStr for PaintTarget {
                 _ => Err(wrong(allowed)),
             };
         }
-        if text.is_empty() {
-            return Err(wrong("`#c04030`, `lab:50,40,30` or the path of a spectrum is needed"));
+        if !text.contains(['.', '/', '\\']) {
+            return Err(wrong("`#c04030`, `lab:50,40,30` or the path of a spectrum, as in `wanted.csv`, is needed"));
         }
         Ok(Self::Spectrum(text.into()))
     }
