@@ -60,7 +60,7 @@ impl Medium {
             members.iter().fold([0.0; 2], |[s, r], member| [s + member.scattering, r + member.reduced]);
         // The other half is left to the integral over radius.
         let wanted = 0.5 * tolerance;
-        let mut bins_per_period = BINS_PER_PERIOD;
+        let mut bins_per_period = AngleGrid::effective_bins_per_period(largest, BINS_PER_PERIOD);
         let mut reached = f64::INFINITY;
         for _ in 0..ATTEMPTS {
             let grid = AngleGrid::graded(largest, bins_per_period)?;

@@ -142,6 +142,16 @@ fn small_particles_scatter_as_rayleigh_says_and_nothing_not_at_all() {
     assert_eq!(milk(0.0, 0.0).phase_at(GREEN, 1e-4).unwrap(), Isotropic.into());
 }
 
+/// Small spheres do not oscillate over angle, and need finer tables all the same.
+#[test]
+fn every_size_reaches_its_tolerance() {
+    for radius in [2e-9, 30e-9, 0.1e-6, 0.2e-6, 0.25e-6, 0.3e-6, 0.5e-6, 0.9e-6, 2e-6] {
+        for tolerance in [1e-3, 1e-4, 1e-5] {
+            droplet(radius).phase_at(GREEN, tolerance).unwrap_or_else(|e| panic!("{radius} {tolerance}: {e}"));
+        }
+    }
+}
+
 #[test]
 fn the_number_of_threads_does_not_matter() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();

@@ -35,7 +35,7 @@ impl Tabulated {
     }
 
     /// Tabulates the values of `f` for a sphere of the given size parameter (see [`AngleGrid::graded`]), on grids of 8
-    /// to 128 bins per period of oscillation, until the estimated relative error of `1 - g` is below `tolerance`.
+    /// to 128 bins per period of oscillation (of small spheres, 1 to 16 bins per degree), until the estimated relative error of `1 - g` is below `tolerance`.
     ///
     /// # Errors
     /// [`PhaseError::Tolerance`] if the finest grid does not get there; else as [`Self::from_fn`] and
@@ -46,8 +46,9 @@ impl Tabulated {
         mut f: impl FnMut(f64) -> f64,
     ) -> Result<Self, PhaseError> {
         let mut reached = f64::INFINITY;
-        for bins_per_period in [8.0, 16.0, 32.0, 64.0, 128.0] {
-            let grid = AngleGrid::graded(size_parameter, bins_per_period)?;
+        let coarsest = AngleGrid::effective_bins_per_period(size_parameter, 8.0);
+        for finer in [1.0, 2.0, 4.0, 8.0, 16.0] {
+            let grid = AngleGrid::graded(size_parameter, finer * coarsest)?;
             let table = Self::from_fn(grid, TableRule::Points, &mut f)?;
             reached = table.one_minus_asymmetry_error();
             if reached <= tolerance {

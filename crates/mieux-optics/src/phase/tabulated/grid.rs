@@ -89,6 +89,11 @@ impl AngleGrid {
         Self::new(angles)
     }
 
+    /// So many bins to a period as asked for, or those of the widest bins there are: fewer give the same grid.
+    pub(crate) fn effective_bins_per_period(size_parameter: f64, bins_per_period: f64) -> f64 {
+        bins_per_period.max(PI / (size_parameter * Self::WIDEST))
+    }
+
     /// The angles in rad.
     pub fn as_slice(&self) -> &[f64] {
         &self.0

@@ -14,7 +14,7 @@ mod table;
 
 use pulp::{Simd, WithSimd};
 
-use super::discrete_ordinates::plan::{Plan, Shape};
+use super::discrete_ordinates::plan::Plan;
 use super::discrete_ordinates::{check_cosine, shares::unscattered};
 use super::{Ground, Incidence, Shares, Stack, TransferError};
 use crate::lanes::MAX_LANES;
@@ -93,11 +93,10 @@ impl AddingDoubling {
             }
         }
         let plans: Vec<Plan> = stacks.iter().map(|stack| Plan::new(stack, self.streams, self.cut_peak)).collect();
-        let shapes: Vec<Shape> = plans.iter().map(Plan::shape).collect();
         let mut out = Vec::with_capacity(stacks.len());
         let mut first = 0;
         while first < plans.len() {
-            let alike = shapes[first..].iter().take(MAX_LANES).take_while(|shape| **shape == shapes[first]).count();
+            let alike = plans[first..].iter().take(MAX_LANES).take_while(|plan| plan.is_like(&plans[first])).count();
             let plans = &plans[first..first + alike];
             let group = Group { plans, beams: &beams, incidences, streams: self.streams };
             out.extend(pulp::Arch::new().dispatch(group)?);

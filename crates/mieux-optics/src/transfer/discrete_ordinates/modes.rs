@@ -312,12 +312,16 @@ const VANISHED: f64 = 1e-15;
 const MAX_SWEEPS: usize = 16;
 
 /// Rotates pairs of rows of `g`, and of `x` alike, until the rows of `g` are orthogonal; gives their lengths.
+///
+/// Pairs come in the order of a tournament: neighbours have no row in common, so that one need not wait for another.
 #[inline(always)]
 fn orthogonalise<S: Simd>(simd: S, g: &mut Matrix<S>, x: &mut Matrix<S>) -> Vec<Re<S>> {
     let n = g.rows();
     let splat = |value: f64| Re::splat(simd, value);
-    let (zero, one) = (splat(0.0), splat(1.0));
+    let zero = splat(0.0);
     let mut squares = vec![zero; n];
+    // With an odd number one row rests in each round.
+    let others = 2 * n.div_ceil(2) - 1;
     for _ in 0..MAX_SWEEPS {
         let mut greatest = zero;
         for (k, square) in squares.iter_mut().enumerate() {
@@ -326,32 +330,14 @@ fn orthogonalise<S: Simd>(simd: S, g: &mut Matrix<S>, x: &mut Matrix<S>) -> Vec<
         }
         let floor = greatest * splat(VANISHED * VANISHED);
         let mut turned = false;
-        for p in 0..n {
-            for q in p + 1..n {
-                let (a, b) = (squares[p], squares[q]);
-                let (upper, lower) = g.two_rows(p, q);
-                let gamma = dot(upper, lower, zero);
-                // Lanes that are done, or hold rounding only, are not turned.
-                let allowed = a * b * splat(ORTHOGONAL * ORTHOGONAL);
-                let present = a.if_less(floor, zero, b.if_less(floor, zero, one));
-                let excess = gamma * gamma * present;
-                if !allowed.any_less(excess) {
-                    continue;
+        for round in 0..others {
+            for k in 0..=others / 2 {
+                let first = if k == 0 { others } else { (round + k) % others };
+                let second = (round + others - k) % others;
+                let (p, q) = if first < second { (first, second) } else { (second, first) };
+                if q < n {
+                    turned |= orthogonalise_pair(simd, g, x, &mut squares, (p, q), floor);
                 }
-                turned = true;
-                let gamma = allowed.if_less(excess, gamma, zero);
-                let safe = zero.if_less(gamma * gamma, gamma, one);
-                let zeta = (b - a) / (safe + safe);
-                let length = zeta.abs() + zeta.mul_add(zeta, one).sqrt();
-                let tangent = one / zeta.if_less(zero, zero - length, length);
-                let tangent = zero.if_less(gamma * gamma, tangent, zero);
-                let cosine = one / tangent.mul_add(tangent, one).sqrt();
-                let sine = cosine * tangent;
-                squares[p] = tangent.neg_mul_add(gamma, a);
-                squares[q] = tangent.mul_add(gamma, b);
-                rotate(upper, lower, cosine, sine);
-                let (upper, lower) = x.two_rows(p, q);
-                rotate(upper, lower, cosine, sine);
             }
         }
         if !turned {
@@ -362,6 +348,42 @@ fn orthogonalise<S: Simd>(simd: S, g: &mut Matrix<S>, x: &mut Matrix<S>) -> Vec<
         *square = dot(g.row(k), g.row(k), zero).sqrt();
     }
     squares
+}
+
+/// Whether the rows had to be turned in any lane.
+#[inline(always)]
+fn orthogonalise_pair<S: Simd>(
+    simd: S,
+    g: &mut Matrix<S>,
+    x: &mut Matrix<S>,
+    squares: &mut [Re<S>],
+    (p, q): (usize, usize),
+    floor: Re<S>,
+) -> bool {
+    let (zero, one) = (Re::splat(simd, 0.0), Re::splat(simd, 1.0));
+    let (a, b) = (squares[p], squares[q]);
+    let (upper, lower) = g.two_rows(p, q);
+    let gamma = dot(upper, lower, zero);
+    // Lanes that are done, or hold rounding only, are not turned.
+    let allowed = a * b * Re::splat(simd, ORTHOGONAL * ORTHOGONAL);
+    let present = a.if_less(floor, zero, b.if_less(floor, zero, one));
+    let excess = gamma * gamma * present;
+    if !allowed.any_less(excess) {
+        return false;
+    }
+    let gamma = allowed.if_less(excess, gamma, zero);
+    let twice = gamma + gamma;
+    let difference = b - a;
+    let length = twice.mul_add(twice, difference * difference).sqrt() + difference.abs();
+    let tangent = twice / difference.if_less(zero, zero - length, length.max(Re::splat(simd, 1e-300)));
+    let cosine = one / tangent.mul_add(tangent, one).sqrt();
+    let sine = cosine * tangent;
+    squares[p] = tangent.neg_mul_add(gamma, a);
+    squares[q] = tangent.mul_add(gamma, b);
+    rotate(upper, lower, cosine, sine);
+    let (upper, lower) = x.two_rows(p, q);
+    rotate(upper, lower, cosine, sine);
+    true
 }
 
 #[inline(always)]

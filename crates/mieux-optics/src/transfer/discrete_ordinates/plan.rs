@@ -65,15 +65,6 @@ pub(in crate::transfer) struct Plane {
     pub resistance: Option<Vec<f64>>,
 }
 
-/// What stacks must share to be swept abreast.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(in crate::transfer) struct Shape {
-    media: Vec<usize>,
-    above: usize,
-    below: usize,
-    layers: Vec<usize>,
-}
-
 impl<'a> Plan<'a> {
     /// Of a checked stack.
     pub fn new(stack: &'a Stack, streams: usize, cut_peak: bool) -> Self {
@@ -107,13 +98,14 @@ impl<'a> Plan<'a> {
         Self { stack, media, above, below, layers, planes }
     }
 
-    pub fn shape(&self) -> Shape {
-        Shape {
-            media: self.media.iter().map(|medium| medium.streams.len()).collect(),
-            above: self.above,
-            below: self.below,
-            layers: self.layers.iter().map(|layer| layer.medium).collect(),
-        }
+    /// Whether this can be swept abreast with another: the same planes at which the index changes, and as many streams.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let counts = |plan: &Self| (plan.above, plan.below, plan.media.len(), plan.layers.len());
+        let mut media = self.media.iter().zip(&other.media);
+        let mut layers = self.layers.iter().zip(&other.layers);
+        counts(self) == counts(other)
+            && media.all(|(one, two)| one.streams.len() == two.streams.len())
+            && layers.all(|(one, two)| one.medium == two.medium)
     }
 }
 

@@ -50,8 +50,7 @@ impl WithSimd for Question<'_> {
         // The wavelengths of a material of constant index share their tables.
         let mut known: Option<(Vec<Medium>, Vec<Table<S>>)> = None;
         while let Some(first) = plans.first() {
-            let shape = first.shape();
-            let alike = plans.iter().take_while(|plan| plan.shape() == shape).count();
+            let alike = plans.iter().take_while(|plan| plan.is_like(first)).count();
             let group = &plans[..alike];
             let lanes =
                 Lanes { plans: std::array::from_fn(|lane| &group[lane.min(alike - 1)]), orders: [0; MAX_LANES] };
