@@ -230,7 +230,8 @@ fn swatches(set: &PaintSet, samples: &[SampleFit]) -> Figure {
             continue;
         }
         let rgb = |lab: Lab| xyz_to_linear_srgb(lab.to_xyz(white));
-        patches.push((leftover.name.clone(), rgb(leftover.measured)));
+        // Recipes may be broken into lines.
+        patches.push((leftover.name.replace('+', " + "), rgb(leftover.measured)));
         patches.push((format!("as fitted, ΔE {:.2}", leftover.ciede2000), rgb(leftover.predicted)));
     }
     swatch_figure("Samples as measured, and as fitted (D65, CIEDE2000)", &patches)
