@@ -7,28 +7,24 @@ use pulp::{Simd, WithSimd};
 
 use super::MieError;
 use super::coefficients::Coefficients;
-use crate::lanes::{LaneArray, MAX_LANES, Re};
+use crate::lanes::{MAX_LANES, Re, Wave};
 
 /// Scattering angles, prepared once for any number of particles. Angles that mirror each other about 90 degrees share
 /// their work.
 #[derive(Debug, Clone)]
 pub struct Directions {
     cosines: Vec<f64>,
-    folded: Vec<Folded>,
-}
-
-/// Moduli of cosines abreast, and which directions have them.
-#[derive(Debug, Clone)]
-struct Folded {
-    moduli: LaneArray,
+    /// Moduli of cosines, ascending, each once; the last fills what tiles of any width leave.
+    moduli: Vec<f64>,
+    /// In the order of the moduli.
     uses: Vec<Use>,
 }
 
-/// A direction that has the modulus of one lane.
+/// A direction and the place of its modulus.
 #[derive(Debug, Clone, Copy)]
 struct Use {
     direction: usize,
-    lane: usize,
+    place: usize,
     backward: bool,
 }
 
@@ -52,23 +48,18 @@ impl Directions {
         let cosines: Vec<f64> = cosines.into_iter().map(clean).collect();
         let mut order: Vec<usize> = (0..cosines.len()).collect();
         order.sort_by(|&i, &j| cosines[i].abs().total_cmp(&cosines[j].abs()));
-        let mut folded: Vec<Folded> = Vec::new();
-        let (mut lane, mut last) = (MAX_LANES, f64::NAN);
+        let mut moduli: Vec<f64> = Vec::new();
+        let mut uses = Vec::with_capacity(order.len());
         for direction in order {
             let mu = cosines[direction];
-            if mu.abs() != last {
-                (lane, last) = (lane + 1, mu.abs());
-                if lane >= MAX_LANES {
-                    folded.push(Folded { moduli: [last; MAX_LANES], uses: Vec::new() });
-                    lane = 0;
-                }
+            if moduli.last() != Some(&mu.abs()) {
+                moduli.push(mu.abs());
             }
-            if let Some(block) = folded.last_mut() {
-                block.moduli[lane] = last;
-                block.uses.push(Use { direction, lane, backward: mu.is_sign_negative() });
-            }
+            uses.push(Use { direction, place: moduli.len() - 1, backward: mu.is_sign_negative() });
         }
-        Self { cosines, folded }
+        let last = moduli.last().copied().unwrap_or(1.0);
+        moduli.resize(moduli.len().next_multiple_of(TILE * MAX_LANES), last);
+        Self { cosines, moduli, uses }
     }
 
     /// `count` angles in equal steps from 0 to 180 degrees, both included.
@@ -162,8 +153,19 @@ impl Factors {
     }
 }
 
-/// Sums over orders of `c_n a_n pi_n` and `c_n b_n pi_n`, then of the same with `tau_n`: real and imaginary parts.
-type Sums<T> = [T; 8];
+/// Registers of angles that go through the sums together: as many as let four sums of each stay in registers, which are
+/// enough that none waits for its last step.
+const TILE: usize = 2;
+
+/// Orders that are gone through at a time, even: what is kept of them fits the nearest cache. Each block is added up by
+/// itself, so that rounding does not grow with the number of orders.
+const BLOCK: usize = 64;
+
+/// One number per angle of a tile.
+type Tile<S> = [Re<S>; TILE];
+
+/// Sums over orders of one parity, with `pi_n` and with `tau_n`: of real and imaginary parts of `c_n a_n` and `c_n b_n`.
+type Sums<S> = [[Tile<S>; 4]; 2];
 
 struct Fold<'a> {
     terms: &'a [[Complex64; 2]],
@@ -179,48 +181,78 @@ impl WithSimd for Fold<'_> {
         if factors.len() % 2 == 1 {
             factors.push(Factors::default());
         }
-        let mut amplitudes = vec![[Complex64::ZERO; 2]; self.directions.cosines.len()];
-        for Folded { moduli, uses } in &self.directions.folded {
-            let mut sums = [[[0.0; MAX_LANES]; 8]; 2];
-            // A register at a time; on a machine with narrow ones several times per array.
-            for first in (0..MAX_LANES).step_by(S::F64_LANES) {
-                let mut mu = [0.0; MAX_LANES];
-                mu[..S::F64_LANES].copy_from_slice(&moduli[first..first + S::F64_LANES]);
-                for (sums, folded) in sums.iter_mut().zip(fold(&factors, Re::load(simd, &mu))) {
-                    for (sum, folded) in sums.iter_mut().zip(folded) {
-                        sum[first..first + S::F64_LANES].copy_from_slice(&folded.lanes()[..S::F64_LANES]);
-                    }
-                }
+        let Directions { cosines, moduli, uses } = self.directions;
+        let mut amplitudes = vec![[Complex64::ZERO; 2]; cosines.len()];
+        let mut kept = [[[Re::splat(simd, 0.0); TILE]; 2]; BLOCK];
+        let mut rest = uses.as_slice();
+        let width = TILE * S::F64_LANES;
+        for (k, moduli) in moduli.chunks_exact(width).enumerate() {
+            let first = k * width;
+            if rest.is_empty() {
+                break;
             }
-            for Use { direction, lane, backward } in uses {
-                amplitudes[*direction] = unfold(&sums, *lane, *backward);
+            let mu = std::array::from_fn(|v| {
+                let mut mu = [0.0; MAX_LANES];
+                mu[..S::F64_LANES].copy_from_slice(&moduli[v * S::F64_LANES..][..S::F64_LANES]);
+                Re::load(simd, &mu)
+            });
+            let found = unfold(&fold(&factors, mu, &mut kept));
+            while let Some((Use { direction, place, backward }, others)) = rest.split_first() {
+                let at = place - first;
+                if at >= width {
+                    break;
+                }
+                let [s1_re, s1_im, s2_re, s2_im] = &found[usize::from(*backward)];
+                amplitudes[*direction] = [Complex64::new(s1_re[at], s1_im[at]), Complex64::new(s2_re[at], s2_im[at])];
+                rest = others;
             }
         }
         amplitudes
     }
 }
 
-/// Orders that are added up by themselves, so that rounding does not grow with their number; even.
-const RUN: usize = 512;
-
 /// Sums over odd and over even orders at non-negative cosines.
+///
+/// Block by block first the functions of angle, whose every step waits for the one before, then the sums.
 #[inline(always)]
-fn fold<S: Simd>(factors: &[Factors], mu: Re<S>) -> [Sums<Re<S>>; 2] {
-    let zero = mu.same(0.0);
-    let mut total = [[zero; 8]; 2];
-    let mut wave = Angular { mu, twice: mu + mu, before: zero, pi: mu.same(1.0) };
-    for run in factors.chunks(RUN) {
-        let (mut odd, mut even) = ([zero; 8], [zero; 8]);
-        for pair in run.chunks_exact(2) {
-            wave.add(&pair[0], &mut odd);
-            wave.add(&pair[1], &mut even);
+fn fold<S: Simd>(factors: &[Factors], mu: Tile<S>, kept: &mut [[Tile<S>; 2]; BLOCK]) -> [Sums<S>; 2] {
+    let zero = mu[0].same(0.0);
+    let mut total = [[[[zero; TILE]; 4]; 2]; 2];
+    let [mut first, mut second] = mu.map(Angular::new);
+    for factors in factors.chunks(BLOCK) {
+        for (f, kept) in factors.iter().zip(kept.iter_mut()) {
+            let (one, two) = (first.next(f), second.next(f));
+            *kept = [[one.0, two.0], [one.1, two.1]];
         }
-        for k in 0..8 {
-            total[0][k] = total[0][k] + odd[k];
-            total[1][k] = total[1][k] + even[k];
+        for (parity, total) in total.iter_mut().enumerate() {
+            for (kind, total) in total.iter_mut().enumerate() {
+                let sums = products(factors, kept, parity, kind);
+                for k in 0..4 {
+                    for v in 0..TILE {
+                        total[k][v] = total[k][v] + sums[k][v];
+                    }
+                }
+            }
         }
     }
     total
+}
+
+/// Sums over one block.
+#[inline(always)]
+fn products<S: Simd>(factors: &[Factors], kept: &[[Tile<S>; 2]; BLOCK], parity: usize, kind: usize) -> [Tile<S>; 4] {
+    let zero = kept[0][0][0].same(0.0);
+    let mut sums = [[zero; TILE]; 4];
+    for (pair, kept) in factors.chunks_exact(2).zip(kept.chunks_exact(2)) {
+        let (factors, angular) = (&pair[parity].scaled, kept[parity][kind]);
+        for k in 0..4 {
+            let factor = zero.same(factors[k]);
+            for v in 0..TILE {
+                sums[k][v] = factor.mul_add(angular[v], sums[k][v]);
+            }
+        }
+    }
+    sums
 }
 
 /// `pi_{n-1}` and `pi_n` on their way up.
@@ -233,26 +265,83 @@ struct Angular<S: Simd> {
 
 impl<S: Simd> Angular<S> {
     #[inline(always)]
-    fn add(&mut self, f: &Factors, sums: &mut Sums<Re<S>>) {
+    fn new(mu: Re<S>) -> Self {
+        Self { mu, twice: mu + mu, before: mu.same(0.0), pi: mu.same(1.0) }
+    }
+
+    /// `pi_n` and `tau_n`.
+    #[inline(always)]
+    fn next(&mut self, f: &Factors) -> (Re<S>, Re<S>) {
         let Self { mu, twice, before, pi } = *self;
-        let minus = mu.same(0.0) - before;
-        let t = mu.mul_add(pi, minus);
-        let s = twice.mul_add(pi, minus);
-        let tau = mu.same(f.n).mul_add(t, minus);
-        for k in 0..4 {
-            let factor = mu.same(f.scaled[k]);
-            sums[k] = factor.mul_add(pi, sums[k]);
-            sums[k + 4] = factor.mul_add(tau, sums[k + 4]);
-        }
+        let t = mu.mul_sub(pi, before);
+        let s = twice.mul_sub(pi, before);
+        let tau = mu.same(f.n).mul_sub(t, before);
         // s + t / n, which unlike (2n + 1)/n and (n + 1)/n is not biased by the rounding of a factor.
         (self.before, self.pi) = (pi, mu.same(f.inverse).mul_add(t, s));
+        (pi, tau)
     }
 }
 
-/// `S1` and `S2`, by the symmetries `pi_n(-mu) = (-1)^(n+1) pi_n(mu)` and `tau_n(-mu) = (-1)^n tau_n(mu)`.
-fn unfold([odd, even]: &[Sums<LaneArray>; 2], lane: usize, backward: bool) -> [Complex64; 2] {
-    let at = |sums: &Sums<LaneArray>, k: usize| Complex64::new(sums[k][lane], sums[k + 1][lane]);
-    let sum = |k: usize| if backward { at(odd, k) - at(even, k) } else { at(odd, k) + at(even, k) };
-    let (a_pi, b_pi, a_tau, b_tau) = (sum(0), sum(2), sum(4), sum(6));
-    if backward { [a_pi - b_tau, b_pi - a_tau] } else { [a_pi + b_tau, a_tau + b_pi] }
+/// Real and imaginary parts of `S1` and `S2` forward and backward, by the symmetries `pi_n(-mu) = (-1)^(n+1) pi_n(mu)` and
+/// `tau_n(-mu) = (-1)^n tau_n(mu)`.
+#[inline(always)]
+fn unfold<S: Simd>([odd, even]: &[Sums<S>; 2]) -> [[[f64; TILE * MAX_LANES]; 4]; 2] {
+    let mut found = [[[0.0; TILE * MAX_LANES]; 4]; 2];
+    for v in 0..TILE {
+        let mut put = |backward: usize, component: usize, value: Re<S>| {
+            found[backward][component][v * S::F64_LANES..][..S::F64_LANES]
+                .copy_from_slice(&value.lanes()[..S::F64_LANES]);
+        };
+        let sum = |kind: usize, k: usize| odd[kind][k][v] + even[kind][k][v];
+        let difference = |kind: usize, k: usize| odd[kind][k][v] - even[kind][k][v];
+        // Of a, and of b.
+        for (a, b) in [(0, 2), (1, 3)] {
+            put(0, a, sum(0, a) + sum(1, b));
+            put(0, b, sum(1, a) + sum(0, b));
+            put(1, a, difference(0, a) - difference(1, b));
+            put(1, b, difference(0, b) - difference(1, a));
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{PlaneWave, Sphere};
+    use super::*;
+
+    /// Angles in no order, some twice and some mirrored; orders that fill no block, one and several.
+    #[test]
+    fn amplitudes_are_sums_over_orders() {
+        let mut cosines: Vec<f64> = (0..83).map(|i| (f64::from(i * 37 % 83) * 0.0379).cos()).collect();
+        cosines.extend([1.0, -1.0, 0.0, -0.0, cosines[5], -cosines[7]]);
+        let directions = Directions::new(cosines.iter().copied());
+        for x in [1e-3, 2.0, 46.0, 150.0] {
+            let wave = PlaneWave::new(2.0 * PI, Complex64::new(1.0, 0.0)).unwrap();
+            let coefficients = Sphere::new(wave, x, Complex64::new(1.5, 0.01)).unwrap().coefficients();
+            let amplitudes = coefficients.amplitudes(&directions).unwrap();
+            assert_eq!(amplitudes.len(), cosines.len());
+            for (mu, [s1, s2]) in cosines.iter().zip(amplitudes) {
+                let (mut before, mut pi, mut expected, mut size) = (0.0, 1.0, [Complex64::ZERO; 2], 0.0);
+                for (i, [a, b]) in coefficients.terms().enumerate() {
+                    let n = i as f64 + 1.0;
+                    let tau = n * mu * pi - (n + 1.0) * before;
+                    let c = (2.0 * n + 1.0) / (n * (n + 1.0));
+                    expected[0] += c * (a * pi + b * tau);
+                    expected[1] += c * (a * tau + b * pi);
+                    size += c * (a.norm() + b.norm()) * n * (pi.abs() + before.abs());
+                    (before, pi) = (pi, ((2.0 * n + 1.0) * mu * pi - (n + 1.0) * before) / n);
+                }
+                assert!((s1 - expected[0]).norm() < 1e-15 * size, "{x} {mu}");
+                assert!((s2 - expected[1]).norm() < 1e-15 * size, "{x} {mu}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_angles_are_no_amplitudes() {
+        let wave = PlaneWave::new(2.0 * PI, Complex64::new(1.0, 0.0)).unwrap();
+        let coefficients = Sphere::new(wave, 3.0, Complex64::new(1.5, 0.01)).unwrap().coefficients();
+        assert!(coefficients.amplitudes(&Directions::new([])).unwrap().is_empty());
+    }
 }

@@ -110,6 +110,24 @@ pub(super) fn sin_cos_complex<S: Simd>(simd: S, z: Cx<S>) -> (Cx<S>, Cx<S>) {
     (Cx { re: s * cosh, im: c * sinh }, Cx { re: c * cosh, im: s.neg_mul_add(sinh, zero) })
 }
 
+/// A multiple of `(sin z, cos z)`, by 1 or by `2 exp(-Im z)`, whatever the imaginary part.
+#[inline(always)]
+pub(super) fn sin_cos_multiple<S: Simd>(simd: S, z: Cx<S>) -> (Cx<S>, Cx<S>) {
+    if !z.im.same(NARROW).any_less(z.im) {
+        return sin_cos_complex(simd, z);
+    }
+    let (s, c) = sin_cos(simd, z.re);
+    let sinh = loss(simd, z.im);
+    let (cosh, zero) = (sinh.same(2.0) - sinh, sinh.same(0.0));
+    (Cx { re: s * cosh, im: c * sinh }, Cx { re: c * cosh, im: s.neg_mul_add(sinh, zero) })
+}
+
+/// `1 - exp(-2 b)`
+#[inline(never)]
+fn loss<S: Simd>(simd: S, b: Re<S>) -> Re<S> {
+    Re::load(simd, &b.lanes().map(|b| -(-2.0 * b).exp_m1()))
+}
+
 /// `(sin z, cos z)` moved on to `1 / inverse`, which the rounding of `inverse = 1 / z` has put beside `z`: a recurrence
 /// that runs on `inverse` must start from there, or it carries the difference, up to 1e-16 of a large `z`, as a phase.
 #[inline(always)]

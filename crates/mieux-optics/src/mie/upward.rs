@@ -5,7 +5,7 @@
 
 use pulp::Simd;
 
-use super::elementary::{moved, sin_cos_complex};
+use super::elementary::{moved, sin_cos_multiple};
 use super::host::{Fraction, Host};
 use super::kernel::{Constants, Group, Sink, Term, divide};
 use super::recurrence::up;
@@ -106,7 +106,7 @@ impl<S: Simd, W: Wave<S>> Start<S, W> {
         let one = constants.real(1.0);
         let [psi, chi] = H::start(constants.simd, constants.x, constants.inverse_x);
         let unit = Cx { re: one, im: constants.real(0.0) };
-        let (sin, cos) = moved(sin_cos_complex(constants.simd, constants.y), constants.y, unit, constants.inverse_y);
+        let (sin, cos) = moved(sin_cos_multiple(constants.simd, constants.y), constants.y, unit, constants.inverse_y);
         let q = [cos.times(constants.inverse_m), sin.times(constants.inverse_m)];
         let before = |wave: [W; 2]| wave[0].times_sub(sin, wave[1].times(q[0]));
         let at = |wave: [W; 2]| wave[0].times_sub(q[1], wave[1].times(cos));

@@ -15,8 +15,19 @@ pub(super) struct Weight {
     pub pair: f64,
 }
 
-/// A window of orders that grows on demand up to [`Weights::WINDOW`] and then moves, so that memory stays small at any
-/// order.
+/// Those of the orders that most spheres need.
+static FIRST: [Weight; Weights::WINDOW] = {
+    let mut first = [Weight::new(1); Weights::WINDOW];
+    let mut i = 0;
+    while i < first.len() {
+        first[i] = Weight::new(i + 1);
+        i += 1;
+    }
+    first
+};
+
+/// Beyond the first, a window of orders that grows on demand up to [`Weights::WINDOW`] and then moves, so that memory stays
+/// small at any order.
 pub(super) struct Weights {
     first: usize,
     table: Vec<Weight>,
@@ -32,6 +43,9 @@ impl Weights {
 
     /// The weights of `count` orders from `first` on.
     pub fn run(&mut self, first: usize, count: usize) -> &[Weight] {
+        if let Some(weights) = FIRST.get(first - 1..first - 1 + count) {
+            return weights;
+        }
         if first < self.first || first + count > self.first + Self::WINDOW {
             self.first = first;
             self.table.clear();
@@ -43,7 +57,7 @@ impl Weights {
 }
 
 impl Weight {
-    fn new(order: usize) -> Self {
+    const fn new(order: usize) -> Self {
         let n = order as f64;
         let (next, factor) = (n + 1.0, 2.0 * n + 1.0);
         let inverse = 1.0 / (n * next);
