@@ -126,7 +126,7 @@ fn is_reciprocal() {
 }
 
 /// Sixteen streams see the light around the beam behind a cloud as many do, where first scattering alone, with all its
-/// moments, would be three times too bright.
+/// moments, would be up to 3.5 times too bright.
 #[test]
 fn the_forward_peak_is_put_back() {
     let (few, many) = (solver(16), solver(96));
