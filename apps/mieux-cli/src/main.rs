@@ -39,6 +39,12 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
                 show::optics(&report, format)?;
             }
         }
+        Command::Compare(args) => {
+            let format = args.format;
+            if let Report::Compare(report) = run_job(&Job::Compare(args.job()?), format == Format::Table)? {
+                show::compare(&report, format)?;
+            }
+        }
         Command::Mie(args) => {
             let format = args.format;
             match run_job(&args.job(), format == Format::Table)? {

@@ -2,6 +2,7 @@
 //!
 //! The command line, a TOML or JSON file, and whatever comes later build the same values and run them the same way.
 
+mod compare;
 mod error;
 mod event;
 mod invert;
@@ -15,6 +16,7 @@ mod slab;
 
 use serde::{Deserialize, Serialize};
 
+pub use compare::{Compare, CompareReport, CompareSheet, Difference, Side};
 pub use error::JobError;
 pub use event::{Context, Event, Stage};
 pub use invert::{Invert, InvertReport, InvertSheet, Inverted, Slabs};
@@ -28,8 +30,8 @@ pub use phase::{Comparand, Compared, FitKind, Named, Phase, PhaseModel, PhaseRep
 pub use render::{Approximation, Render, RenderReport, Stop};
 pub use sheet::{Made, OpticsSheet};
 pub use slab::{
-    Answer, Backing, Case, Patch, PhaseName, Sample, Slab, SlabCompare, SlabCompareReport, SlabCompareSheet, SlabError,
-    SlabLight, SlabReport, SlabSheet, Solver, Trial,
+    Answer, Backing, Case, LayerColour, Patch, PhaseName, Sample, Slab, SlabCompare, SlabCompareReport,
+    SlabCompareSheet, SlabError, SlabLight, SlabReport, SlabSheet, Solver, Trial,
 };
 
 /// Everything `mieux` can be asked to do.
@@ -38,6 +40,8 @@ pub use slab::{
 pub enum Job {
     /// Optical properties of a material over wavelength.
     Optics(Optics),
+    /// Two materials, or a material and measurements, side by side.
+    Compare(Compare),
     /// A picture.
     Render(Render),
     /// Light and one particle.
@@ -65,6 +69,8 @@ pub enum Job {
 pub enum Report {
     /// Of [`Job::Optics`].
     Optics(Box<OpticsReport>),
+    /// Of [`Job::Compare`].
+    Compare(Box<CompareReport>),
     /// Of [`Job::Render`].
     Render(Box<RenderReport>),
     /// Of [`Job::Mie`].
@@ -95,6 +101,7 @@ impl Job {
     pub fn run(&self, context: &Context<'_>) -> Result<Report, JobError> {
         match self {
             Self::Optics(job) => job.run(context).map(|report| Report::Optics(Box::new(report))),
+            Self::Compare(job) => job.run(context).map(|report| Report::Compare(Box::new(report))),
             Self::Render(job) => job.run(context).map(|report| Report::Render(Box::new(report))),
             Self::Mie(job) => job.run(context).map(|report| Report::Mie(Box::new(report))),
             Self::MieBatch(job) => job.run(context).map(|report| Report::MieBatch(Box::new(report))),
