@@ -84,7 +84,7 @@ pub struct OpticsArgs {
     /// Relative tolerance of the integral over particle sizes
     #[arg(long, default_value = "1e-4")]
     pub tolerance: f64,
-    /// Also write tables (csv, json, parquet), plots, phase functions and colours of layers to this folder
+    /// Also write tables (csv, json, parquet, nc), plots, phase functions and colours of layers to this folder
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }

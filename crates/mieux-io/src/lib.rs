@@ -7,6 +7,7 @@ mod cells;
 pub mod checkpoint;
 pub mod image;
 pub mod measured;
+pub mod netcdf;
 pub mod output;
 pub mod paint;
 pub mod plot;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use mieux_io::checkpoint::CheckpointError;
 use mieux_io::image::ImageError;
 use mieux_io::measured::MeasuredError;
+use mieux_io::netcdf::NetCdfError;
 use mieux_io::output::OutputError;
 use mieux_io::paint::PaintFileError;
 use mieux_io::plot::PlotError;
@@ -164,6 +165,9 @@ pub enum JobError {
     #[cfg(feature = "parquet")]
     #[error("the table cannot be written as Parquet: {0}")]
     Parquet(#[from] mieux_io::table::ParquetError),
+    /// A data set as NetCDF.
+    #[error(transparent)]
+    NetCdf(#[from] NetCdfError),
     /// The threads could not be started.
     #[error("{threads} threads could not be started: {reason}")]
     Threads {
