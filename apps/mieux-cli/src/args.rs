@@ -23,8 +23,8 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 pub enum Command {
-    /// List the materials that are known, with their inputs, ranges and defaults
-    Materials,
+    /// List the materials that are known, or show one with its inputs, ranges and defaults
+    Materials(MaterialsArgs),
     /// List the scenes that are known
     Scenes,
     /// Compute the optical properties of a material over wavelength
@@ -66,6 +66,15 @@ pub enum Format {
     Csv,
     /// JSON, arrays of one length
     Json,
+}
+
+#[derive(Args)]
+pub struct MaterialsArgs {
+    /// A material, or the path of a recipe, to be shown with its inputs and what it is made of
+    pub material: Option<String>,
+    /// Print the recipe itself, to begin one of your own with: `mieux materials fog --recipe > my.toml`
+    #[arg(long, requires = "material")]
+    pub recipe: bool,
 }
 
 #[derive(Args)]

@@ -30,7 +30,7 @@ fn main() -> ExitCode {
 
 fn run(cli: Cli) -> Result<ExitCode, Failure> {
     match cli.command {
-        Command::Materials => show::materials()?,
+        Command::Materials(args) => show::materials(&args)?,
         Command::Scenes => show::scenes()?,
         Command::Completions { shell } => show::completions(shell),
         Command::Optics(args) => {

@@ -142,6 +142,11 @@ impl Recipe {
         self.document.about.as_deref().unwrap_or_default()
     }
 
+    /// The recipe itself.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// The inputs, with the values the recipe gives them.
     pub fn inputs(&self) -> &[(Input, f64)] {
         &self.inputs

@@ -28,7 +28,7 @@ pub use paint::{
 };
 pub use phase::{Comparand, Compared, FitKind, Named, Phase, PhaseModel, PhaseReport, PhaseSheet};
 pub use render::{Approximation, Render, RenderReport, Stop};
-pub use sheet::{Made, OpticsSheet};
+pub use sheet::{Made, OpticsSheet, made_of};
 pub use slab::{
     Answer, Backing, Case, LayerColour, Patch, PhaseName, Sample, Slab, SlabCompare, SlabCompareReport,
     SlabCompareSheet, SlabError, SlabLight, SlabReport, SlabSheet, Solver, Trial,

@@ -156,7 +156,8 @@ impl OpticsSheet {
     }
 }
 
-fn made_of(medium: &Medium) -> Vec<Made> {
+/// What a medium is made of, the host first.
+pub fn made_of(medium: &Medium) -> Vec<Made> {
     let occupied: f64 = medium.inclusions().iter().map(|i| i.volume_fraction).sum();
     let host = match medium.host() {
         Substance::Water { riboflavin_mg_per_100g, .. } if *riboflavin_mg_per_100g > 0.0 => {
