@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use mieux_optics::material::milk::Milk;
 use mieux_optics::medium::{Inclusion, Medium};
-use mieux_optics::substance::Substance;
+use mieux_optics::substance::{Conditions, Substance, SubstanceError};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -153,11 +153,14 @@ fn read_substance(
     temperature: f64,
 ) -> Result<Substance, Box<TextError>> {
     match (name, index) {
-        (Some(name), None) => Substance::named(name.get_ref(), temperature).ok_or_else(|| {
+        (Some(name), None) => Substance::named(name.get_ref(), Conditions::at(temperature)).map_err(|error| {
+            let pointed = source.error(name.span(), &error);
+            if !matches!(error, SubstanceError::Unknown { .. }) {
+                return pointed;
+            }
             let nearest = nearest_names(name.get_ref(), Substance::NAMES);
-            let message = format!("there is no substance called `{}`", name.get_ref());
             let help = format!("{} known: {}", did_you_mean(&nearest), Substance::NAMES.join(", "));
-            source.error(name.span(), message).with_help(help.trim_start())
+            pointed.with_help(help.trim_start())
         }),
         (None, Some(index)) => {
             let value = parse_complex_index(index.get_ref()).map_err(|e| source.error(index.span(), e))?;
