@@ -30,8 +30,12 @@ pub fn materials() -> Result<(), Failure> {
         for (input, value) in recipe.inputs() {
             writeln!(
                 out,
-                "    --set {:<12} {value} {} ({} to {}): {}",
-                input.name, input.unit, input.minimum, input.maximum, input.about
+                "    --set {:<12} {} ({} to {}): {}",
+                input.name,
+                input.shown(*value),
+                input.minimum,
+                input.shown(input.maximum),
+                input.about
             )?;
         }
     }

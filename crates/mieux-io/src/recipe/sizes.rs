@@ -6,12 +6,13 @@ use mieux_optics::particle::{
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::schema::Source;
+use super::schema::Place;
+use super::scope::Number;
 use crate::quantity::Length;
 use crate::text_error::TextError;
 
 /// All keys a size distribution may have; which of them belong together is checked by kind.
-#[derive(Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SizeSpec {
     kind: Spanned<String>,
@@ -19,14 +20,14 @@ pub(super) struct SizeSpec {
     weighting: Option<Spanned<String>>,
     mean: Option<Spanned<String>>,
     deviation: Option<Spanned<String>>,
-    coefficient_of_variation: Option<Spanned<f64>>,
+    coefficient_of_variation: Option<Spanned<Number>>,
     median: Option<Spanned<String>>,
-    geometric_deviation: Option<Spanned<f64>>,
-    mean_ratio: Option<Spanned<f64>>,
-    deviation_ratio: Option<Spanned<f64>>,
+    geometric_deviation: Option<Spanned<Number>>,
+    mean_ratio: Option<Spanned<Number>>,
+    deviation_ratio: Option<Spanned<Number>>,
     mode: Option<Spanned<String>>,
-    alpha: Option<Spanned<f64>>,
-    gamma: Option<Spanned<f64>>,
+    alpha: Option<Spanned<Number>>,
+    gamma: Option<Spanned<Number>>,
     minimum: Option<Spanned<String>>,
     maximum: Option<Spanned<String>>,
 }
@@ -37,10 +38,10 @@ const KINDS: &str = "monodisperse (radius), log-normal (weighting; mean and devi
                      transformed-log-normal (maximum, mean_ratio, deviation_ratio)";
 
 pub(super) fn size_distribution(
-    source: Source<'_>,
+    place: Place<'_>,
     spec: &Spanned<SizeSpec>,
 ) -> Result<SizeDistribution, Box<TextError>> {
-    let reader = Reader { source, spec };
+    let reader = Reader { place, spec };
     match spec.get_ref().kind.get_ref().as_str() {
         "monodisperse" => reader.monodisperse(),
         "log-normal" => reader.log_normal(),
@@ -48,13 +49,13 @@ pub(super) fn size_distribution(
         "transformed-log-normal" => reader.transformed_log_normal(),
         other => {
             let message = format!("there is no size distribution of the kind `{other}`");
-            Err(source.error(spec.get_ref().kind.span(), message).with_help(format!("kinds: {KINDS}")))
+            Err(place.error(spec.get_ref().kind.span(), message).with_help(format!("kinds: {KINDS}")))
         }
     }
 }
 
 struct Reader<'a> {
-    source: Source<'a>,
+    place: Place<'a>,
     spec: &'a Spanned<SizeSpec>,
 }
 
@@ -83,7 +84,7 @@ impl Reader<'_> {
                 let mean = self.length("mean", spec.mean.as_ref())?;
                 let deviation = match (&spec.deviation, &spec.coefficient_of_variation) {
                     (Some(_), None) => self.length("deviation", spec.deviation.as_ref())?,
-                    (None, Some(cv)) => cv.get_ref() * mean,
+                    (None, Some(cv)) => self.place.number(cv)? * mean,
                     _ => return Err(self.whole("with `mean` give either `deviation` or `coefficient_of_variation`")),
                 };
                 LogNormal::from_mean(weighting, mean, deviation)
@@ -139,7 +140,7 @@ impl Reader<'_> {
             "surface" => Ok(Weighting::Surface),
             "volume" => Ok(Weighting::Volume),
             other => {
-                Err(self.source.error(weighting.span(), format!("there is no weighting `{other}`")).with_help(help))
+                Err(self.place.error(weighting.span(), format!("there is no weighting `{other}`")).with_help(help))
             }
         }
     }
@@ -170,7 +171,7 @@ impl Reader<'_> {
         for (name, span) in given {
             if !allowed.contains(&name) {
                 let message = format!("`{name}` has no meaning for the kind `{}`", spec.kind.get_ref());
-                return Err(self.source.error(span, message).with_help(format!("kinds: {KINDS}")));
+                return Err(self.place.error(span, message).with_help(format!("kinds: {KINDS}")));
             }
         }
         Ok(())
@@ -178,15 +179,16 @@ impl Reader<'_> {
 
     fn length(&self, key: &str, value: Option<&Spanned<String>>) -> Result<f64, Box<TextError>> {
         let value = value.ok_or_else(|| self.whole(format!("`{key}` is missing")))?;
-        let length = Length::parse_positive(value.get_ref()).map_err(|e| self.source.error(value.span(), e))?;
+        let text = self.place.text(value)?;
+        let length = Length::parse_positive(&text).map_err(|e| self.place.error(value.span(), e))?;
         Ok(length.metres())
     }
 
-    fn number(&self, key: &str, value: Option<&Spanned<f64>>) -> Result<f64, Box<TextError>> {
-        value.map(|v| *v.get_ref()).ok_or_else(|| self.whole(format!("`{key}` is missing")))
+    fn number(&self, key: &str, value: Option<&Spanned<Number>>) -> Result<f64, Box<TextError>> {
+        self.place.number(value.ok_or_else(|| self.whole(format!("`{key}` is missing")))?)
     }
 
     fn whole(&self, message: impl ToString) -> Box<TextError> {
-        self.source.error(self.spec.span(), message)
+        self.place.error(self.spec.span(), message)
     }
 }

@@ -170,7 +170,7 @@ mod tests {
         }
         // Infrared band of water at 2.94 um, k = 0.298 (`hale1973`: 2.95 um).
         for name in ["water-hale-querry", "water-segelstein"] {
-            assert!((index(name, 2.95e-6).im - 0.298).abs() < 0.01, "{name}");
+            assert!((index(name, 2.95e-6).im - 0.298).abs() < 0.02, "{name}");
         }
     }
 }

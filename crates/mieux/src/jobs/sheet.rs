@@ -86,7 +86,7 @@ impl OpticsSheet {
         let b = &self.bulk;
         let mut table = Table::new(self.material.title.clone()).with_metadata("material", self.material.name.clone());
         for (input, value) in &self.material.inputs {
-            table = table.with_metadata(input.name, format!("{value} {}", input.unit));
+            table = table.with_metadata(&*input.name, input.shown(*value));
         }
         table =
             table.with_metadata("largest relative error of the size integral", format!("{:.1e}", b.relative_error()));
@@ -109,7 +109,7 @@ impl OpticsSheet {
     /// As JSON: arrays of one length.
     pub fn json(&self) -> serde_json::Value {
         let b = &self.bulk;
-        let inputs: BTreeMap<&str, f64> = self.material.inputs.iter().map(|(i, v)| (i.name, *v)).collect();
+        let inputs: BTreeMap<&str, f64> = self.material.inputs.iter().map(|(i, v)| (&*i.name, *v)).collect();
         json!({
             "material": self.material.name,
             "inputs": inputs,
