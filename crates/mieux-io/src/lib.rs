@@ -5,6 +5,7 @@
 
 pub mod checkpoint;
 pub mod image;
+pub mod index_file;
 pub mod output;
 pub mod paint;
 pub mod plot;
