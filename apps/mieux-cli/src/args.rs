@@ -12,6 +12,7 @@ use crate::mie::MieArgs;
 use crate::paint::PaintCommand;
 use crate::phase::PhaseArgs;
 use crate::slab::SlabArgs;
+use crate::substances::SubstancesArgs;
 
 /// What a material looks like, from what it is made of.
 #[derive(Parser)]
@@ -25,6 +26,8 @@ pub struct Cli {
 pub enum Command {
     /// List the materials that are known, or show one with its inputs, ranges and defaults
     Materials(MaterialsArgs),
+    /// List the substances that are known, or show the refractive index of one over wavelength
+    Substances(SubstancesArgs),
     /// List the scenes that are known
     Scenes,
     /// Compute the optical properties of a material over wavelength

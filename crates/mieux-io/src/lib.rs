@@ -6,6 +6,7 @@
 mod cells;
 pub mod checkpoint;
 pub mod image;
+pub mod index_file;
 pub mod measured;
 pub mod netcdf;
 pub mod output;

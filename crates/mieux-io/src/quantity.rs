@@ -4,6 +4,7 @@
 //! multiplying, so that "550nm" is the same number as `550e-9`.
 
 mod angles;
+mod concentration;
 mod format;
 mod index;
 mod thickness;
@@ -15,6 +16,7 @@ use mieux_optics::Complex64;
 use mieux_optics::spectrum::{SpectrumError, WavelengthGrid};
 
 pub use angles::Angles;
+pub use concentration::parse_concentration;
 pub use format::{format_area, format_complex_index, format_duration, format_length, format_per_length, significant};
 pub use index::RefractiveIndex;
 pub use thickness::{OpticalThickness, Thickness};

@@ -7,14 +7,13 @@ use std::ops::Range;
 use mieux_optics::material::Input;
 use mieux_optics::material::milk::Milk;
 use mieux_optics::medium::{Inclusion, Medium};
-use mieux_optics::substance::Substance;
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::scope::{InputEntry, Number, Scope};
 use super::sizes::{SizeSpec, size_distribution};
-use crate::quantity::parse_complex_index;
-use crate::text_error::{TextError, did_you_mean, nearest_names};
+use super::substance::{Around, Made, SoluteSpec};
+use crate::text_error::TextError;
 
 /// Temperature of a mixture that does not name one, degrees Celsius.
 const ROOM_TEMPERATURE: f64 = 20.0;
@@ -30,6 +29,7 @@ pub(super) struct Document {
     #[serde(default)]
     derived: BTreeMap<Spanned<String>, Spanned<Number>>,
     temperature: Option<Spanned<Number>>,
+    index_db: Option<Spanned<String>>,
     host: Option<Spanned<SubstanceSpec>>,
     #[serde(default)]
     inclusion: Vec<Spanned<InclusionSpec>>,
@@ -40,6 +40,13 @@ pub(super) struct Document {
 struct SubstanceSpec {
     substance: Option<Spanned<String>>,
     refractive_index: Option<Spanned<String>>,
+    index_file: Option<Spanned<String>>,
+    index_page: Option<Spanned<String>>,
+    transparent: Option<Spanned<bool>>,
+    temperature: Option<Spanned<Number>>,
+    salinity: Option<Spanned<Number>>,
+    #[serde(default)]
+    solute: Vec<SoluteSpec>,
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -48,8 +55,33 @@ struct InclusionSpec {
     name: Option<String>,
     substance: Option<Spanned<String>>,
     refractive_index: Option<Spanned<String>>,
+    index_file: Option<Spanned<String>>,
+    index_page: Option<Spanned<String>>,
+    transparent: Option<Spanned<bool>>,
+    temperature: Option<Spanned<Number>>,
+    salinity: Option<Spanned<Number>>,
+    #[serde(default)]
+    solute: Vec<SoluteSpec>,
     volume_fraction: Spanned<Number>,
     size_distribution: Spanned<SizeSpec>,
+}
+
+/// What a host or inclusion is made of.
+macro_rules! made {
+    ($entry:expr) => {{
+        let spec = $entry.get_ref();
+        Made {
+            substance: spec.substance.as_ref(),
+            refractive_index: spec.refractive_index.as_ref(),
+            index_file: spec.index_file.as_ref(),
+            index_page: spec.index_page.as_ref(),
+            transparent: spec.transparent.as_ref(),
+            temperature: spec.temperature.as_ref(),
+            salinity: spec.salinity.as_ref(),
+            solute: &spec.solute,
+            whole: $entry.span(),
+        }
+    }};
 }
 
 /// A text under its name, to make errors of places in it.
@@ -125,13 +157,11 @@ impl Document {
             let help = "for example: model = \"milk\", or [host] with substance = \"water\"";
             return Err(source.error(0..0, message).with_help(help));
         };
-        let temperature = self.temperature(place)?;
-        let spec = host.get_ref();
-        let index = spec.refractive_index.as_ref();
-        let host = read_substance(place, host.span(), spec.substance.as_ref(), index, temperature)?;
+        let around = Around { temperature: self.temperature(place)?, database: self.index_db.as_ref() };
+        let host = made!(host).read(place, around)?;
         let mut inclusions = Vec::new();
         for entry in &self.inclusion {
-            inclusions.push(read_inclusion(place, entry, temperature)?);
+            inclusions.push(read_inclusion(place, entry, around)?);
         }
         let span = self.inclusion.first().map_or(0..0, Spanned::span);
         Medium::new(host, inclusions).map_err(|e| source.error(span, e))
@@ -140,10 +170,10 @@ impl Document {
     fn temperature(&self, place: Place<'_>) -> Result<f64, Box<TextError>> {
         let Some(number) = &self.temperature else { return Ok(ROOM_TEMPERATURE) };
         let value = place.number(number)?;
-        if (0.0..=30.0).contains(&value) {
+        if (-60.0..=100.0).contains(&value) {
             return Ok(value);
         }
-        Err(place.error(number.span(), format!("temperature {value} degC is out of range: 0 to 30 degC")))
+        Err(place.error(number.span(), format!("temperature {value} degC is out of range: -60 to 100 degC")))
     }
 
     /// Refuses what a recipe with a model cannot have.
@@ -186,11 +216,10 @@ fn model_inputs<'a>(
 fn read_inclusion(
     place: Place<'_>,
     entry: &Spanned<InclusionSpec>,
-    temperature: f64,
+    around: Around<'_>,
 ) -> Result<Inclusion, Box<TextError>> {
     let spec = entry.get_ref();
-    let index = spec.refractive_index.as_ref();
-    let substance = read_substance(place, entry.span(), spec.substance.as_ref(), index, temperature)?;
+    let substance = made!(entry).read(place, around)?;
     let volume_fraction = place.number(&spec.volume_fraction)?;
     if !(0.0..=1.0).contains(&volume_fraction) {
         let message = format!("the volume fraction {volume_fraction} must lie between 0 and 1");
@@ -199,27 +228,4 @@ fn read_inclusion(
     let sizes = size_distribution(place, &spec.size_distribution)?;
     let name = spec.name.clone().unwrap_or_else(|| format!("{} particles", substance.name()));
     Ok(Inclusion { name, substance, sizes, volume_fraction })
-}
-
-fn read_substance(
-    place: Place<'_>,
-    whole: Range<usize>,
-    name: Option<&Spanned<String>>,
-    index: Option<&Spanned<String>>,
-    temperature: f64,
-) -> Result<Substance, Box<TextError>> {
-    match (name, index) {
-        (Some(name), None) => Substance::named(name.get_ref(), temperature).ok_or_else(|| {
-            let nearest = nearest_names(name.get_ref(), Substance::NAMES);
-            let message = format!("there is no substance called `{}`", name.get_ref());
-            let help = format!("{} known: {}", did_you_mean(&nearest), Substance::NAMES.join(", "));
-            place.error(name.span(), message).with_help(help.trim_start())
-        }),
-        (None, Some(index)) => {
-            let text = place.text(index)?;
-            let value = parse_complex_index(&text).map_err(|e| place.error(index.span(), e))?;
-            Ok(Substance::Constant(value))
-        }
-        _ => Err(place.error(whole, "give either a `substance` or a `refractive_index`")),
-    }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use mieux_io::checkpoint::CheckpointError;
 use mieux_io::image::ImageError;
+use mieux_io::index_file::IndexFileError;
 use mieux_io::measured::MeasuredError;
 use mieux_io::netcdf::NetCdfError;
 use mieux_io::output::OutputError;
@@ -20,6 +21,7 @@ use mieux_optics::mie::MieError;
 use mieux_optics::paint::PaintError;
 use mieux_optics::phase::PhaseError;
 use mieux_optics::spectrum::SpectrumError;
+use mieux_optics::substance::SubstanceError;
 use mieux_optics::transfer::TransferError;
 use mieux_optics::transfer::inverse::InverseError;
 use mieux_render::detector::slab::SlabWalkError;
@@ -40,6 +42,28 @@ pub enum JobError {
         material: String,
         /// What is wrong.
         source: MediumError,
+    },
+    /// A substance that is not known.
+    #[error("there is no substance called `{name}`")]
+    NoSuchSubstance {
+        /// What was asked for.
+        name: String,
+        /// What to do instead.
+        help: String,
+    },
+    /// A substance without the index asked for.
+    #[error(transparent)]
+    Substance(Box<SubstanceError>),
+    /// A file of refractive indices.
+    #[error(transparent)]
+    IndexFile(#[from] IndexFileError),
+    /// A setting that means nothing here.
+    #[error("{name} takes {to}")]
+    Belongs {
+        /// The setting.
+        name: &'static str,
+        /// Where it means something.
+        to: &'static str,
     },
     /// A particle that cannot be computed.
     #[error(transparent)]
@@ -194,7 +218,11 @@ impl JobError {
             | Self::Measured(MeasuredError::Text(error))
             | Self::Rxt(RxtError::Text(error))
             | Self::PaintFile(PaintFileError::Text(error)) => error.help.clone(),
-            Self::NoSuchPaint { help, .. } => Some(help.clone()),
+            Self::NoSuchPaint { help, .. } | Self::NoSuchSubstance { help, .. } => Some(help.clone()),
+            Self::IndexFile(error) => error.help(),
+            Self::Substance(error) if matches!(**error, SubstanceError::NoAbsorption { .. }) => {
+                Some("give `--transparent` to take k for 0".into())
+            }
             Self::Paint(PaintError::Relative { .. }) => {
                 Some("fit again with `--reference-hides`, the thickness at which the reference by itself hides".into())
             }

@@ -13,6 +13,7 @@ mod phase;
 mod render;
 mod sheet;
 mod slab;
+mod substance;
 
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +34,7 @@ pub use slab::{
     Answer, Backing, Case, LayerColour, Patch, PhaseName, Sample, Slab, SlabCompare, SlabCompareReport,
     SlabCompareSheet, SlabError, SlabLight, SlabReport, SlabSheet, Solver, Trial,
 };
+pub use substance::{SubstanceIndex, SubstanceReport, SubstanceSheet, format_range};
 
 /// Everything `mieux` can be asked to do.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -62,6 +64,8 @@ pub enum Job {
     PaintMatch(PaintMatch),
     /// What measured slabs are made of.
     Invert(Invert),
+    /// The refractive index of a substance.
+    Substance(SubstanceIndex),
 }
 
 /// What a job leaves besides its files.
@@ -91,6 +95,8 @@ pub enum Report {
     PaintMatch(Box<PaintMatchReport>),
     /// Of [`Job::Invert`].
     Invert(Box<InvertReport>),
+    /// Of [`Job::Substance`].
+    Substance(Box<SubstanceReport>),
 }
 
 impl Job {
@@ -112,6 +118,7 @@ impl Job {
             Self::PaintMix(job) => job.run(context).map(|report| Report::PaintMix(Box::new(report))),
             Self::PaintMatch(job) => job.run(context).map(|report| Report::PaintMatch(Box::new(report))),
             Self::Invert(job) => job.run(context).map(|report| Report::Invert(Box::new(report))),
+            Self::Substance(job) => job.run(context).map(|report| Report::Substance(Box::new(report))),
         }
     }
 }
