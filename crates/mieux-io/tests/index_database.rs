@@ -54,6 +54,10 @@ fn every_file_loads_or_says_why() {
                 }
             }
             Err(IndexFileError::Other { what, .. }) => format!("{what:?}"),
+            Err(error @ IndexFileError::Text(_)) => {
+                writeln!(values, "# {error}").unwrap();
+                "malformed".into()
+            }
             Err(error) => panic!("{error}"),
         };
         *count.entry(outcome).or_default() += 1;
@@ -63,6 +67,8 @@ fn every_file_loads_or_says_why() {
     for (what, least) in at_least {
         assert!(count.get(what).is_some_and(|n| *n >= least), "{listing}");
     }
+    // One in v2026-05-24: a formula of which the last coefficient is missing.
+    assert!(count.get("malformed").is_none_or(|n| *n <= 3), "{listing}{values}");
     if let Some(file) = std::env::var_os("MIEUX_INDEX_VALUES") {
         std::fs::write(file, format!("{listing}{values}")).unwrap();
     }
@@ -73,9 +79,12 @@ fn every_page_of_the_catalogue_reads() {
     let Some(folder) = std::env::var_os("MIEUX_INDEX_DB").map(PathBuf::from) else { return };
     let database = IndexDatabase::open(&folder).unwrap();
     assert!(database.pages().len() > 3000);
-    for page in database.pages() {
-        database.read(page).unwrap_or_else(|error| panic!("{}: {error}", page.name));
-    }
+    let malformed = database.pages().iter().filter(|page| match database.read(page) {
+        Ok(_) => false,
+        Err(IndexFileError::Text(_)) => true,
+        Err(error) => panic!("{}: {error}", page.name),
+    });
+    assert!(malformed.count() <= 3);
     let rutile = database.read(database.find("TiO2/Devore-o").unwrap()).unwrap();
     assert!((rutile.assume_transparent().index(589.3e-9).unwrap().re - 2.613).abs() < 1e-3);
 }

@@ -27,7 +27,8 @@ const EXAMPLE: &str = "1.7 mg/L";
 /// # Errors
 /// [`QuantityError`]: no number, no unit, another unit, or a negative number.
 pub fn parse_concentration(text: &str) -> Result<Concentration, QuantityError> {
-    let (number, unit) = split_number(text);
+    let (number, unit) = split_number(text.trim());
+    let unit = unit.trim_start();
     let parse = |exponent: i32| -> Result<f64, QuantityError> {
         let value = shifted(number, exponent)
             .ok_or_else(|| QuantityError::NotANumber { text: text.into(), example: EXAMPLE })?;

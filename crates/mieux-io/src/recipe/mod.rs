@@ -396,7 +396,8 @@ volume_fraction = 0.01
 size_distribution = { kind = "monodisperse", radius = "80 nm" }
 "#;
 
-    fn brew(text: &str) -> Result<Recipe, RecipeError> {
+    /// The recipe beside the files that it names, which go when it is dropped.
+    fn brew(text: &str) -> Result<(tempfile::TempDir, Recipe), RecipeError> {
         let folder = tempfile::tempdir().unwrap();
         let data = folder.path().join("base/data/main");
         std::fs::create_dir_all(&data).unwrap();
@@ -409,12 +410,14 @@ size_distribution = { kind = "monodisperse", radius = "80 nm" }
         std::fs::write(folder.path().join("base/catalog-nk.yml"), catalogue).unwrap();
         let path = folder.path().join("my.toml");
         std::fs::write(&path, text).unwrap();
-        Recipe::find(path.to_str().unwrap())
+        let recipe = Recipe::find(path.to_str().unwrap())?;
+        Ok((folder, recipe))
     }
 
     #[test]
     fn substances_come_from_files_and_pages_and_have_things_dissolved_in_them() {
-        let material = brew(BREW).unwrap().material(&BTreeMap::new()).unwrap();
+        let (_folder, recipe) = brew(BREW).unwrap();
+        let material = recipe.material(&BTreeMap::new()).unwrap();
         let medium = &material.medium;
         let n = |i: usize| medium.inclusions()[i].substance.index(550e-9).unwrap();
         assert_eq!((n(0).re, n(1).re, n(0).im), (1.5, 1.46, 0.0));

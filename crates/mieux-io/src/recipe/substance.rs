@@ -90,18 +90,30 @@ impl Made<'_> {
             return Err(place.error(transparent.span(), "`transparent` belongs to an `index_file` or `index_page`"));
         }
         let mut conditions = Conditions::at(around.temperature);
-        let mut at = name.span();
-        for (key, given, acts, slot) in [
+        let mut given_at: [Option<Range<usize>>; 2] = [None, None];
+        for (i, (key, given, acts, slot)) in [
             ("temperature", self.temperature, entry.temperature.is_some(), &mut conditions.temperature_c),
             ("salinity", self.salinity, entry.salinity.is_some(), &mut conditions.salinity),
-        ] {
+        ]
+        .into_iter()
+        .enumerate()
+        {
             let Some(number) = given else { continue };
             if !acts {
                 return Err(place.error(number.span(), format!("`{key}` does not act on {}", entry.name)));
             }
-            (*slot, at) = (place.number(number)?, number.span());
+            *slot = place.number(number)?;
+            given_at[i] = Some(number.span());
         }
-        entry.substance(conditions).map_err(|error| place.error(at, error))
+        entry.substance(conditions).map_err(|error| {
+            let [temperature, salinity] = given_at;
+            let at = match &error {
+                SubstanceError::Condition { condition: "temperature", .. } => temperature,
+                SubstanceError::Condition { .. } => salinity,
+                _ => None,
+            };
+            place.error(at.unwrap_or(name.span()), error)
+        })
     }
 
     fn dispersive(&self, dispersion: Dispersion) -> Substance {
