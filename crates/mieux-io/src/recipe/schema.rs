@@ -142,7 +142,7 @@ fn read_inclusion(
     }
     let sizes = size_distribution(source, &spec.size_distribution)?;
     let name = spec.name.clone().unwrap_or_else(|| format!("{} particles", substance.name()));
-    Ok(Inclusion { name, substance, sizes, volume_fraction })
+    Ok(Inclusion::new(name, substance, sizes, volume_fraction))
 }
 
 fn read_substance(

@@ -130,18 +130,14 @@ impl Reader<'_> {
     }
 
     fn weighting(&self) -> Result<Weighting, Box<TextError>> {
-        let help = "weightings: number, surface, volume";
+        let help = "weightings: number, surface, volume, intensity";
         let Some(weighting) = &self.spec.get_ref().weighting else {
             return Err(self.whole("a log-normal needs its `weighting`: what the distribution counts").with_help(help));
         };
-        match weighting.get_ref().as_str() {
-            "number" => Ok(Weighting::Number),
-            "surface" => Ok(Weighting::Surface),
-            "volume" => Ok(Weighting::Volume),
-            other => {
-                Err(self.source.error(weighting.span(), format!("there is no weighting `{other}`")).with_help(help))
-            }
-        }
+        Weighting::named(weighting.get_ref()).ok_or_else(|| {
+            let message = format!("there is no weighting `{}`", weighting.get_ref());
+            self.source.error(weighting.span(), message).with_help(help)
+        })
     }
 
     /// Refuses keys that have no meaning for the kind.
