@@ -21,9 +21,9 @@ const TINY: f64 = 1e-6;
 /// Part of it below which what lies inside a coat is left out.
 const HOLLOW: f64 = 0.1;
 
-/// Fringes of the light of one sphere over its size parameter are at least this narrow in nodes of the rule, beyond which
-/// values at the nodes of a panel are taken for independent of each other; in size parameters.
-const ROUGH: f64 = 12.0;
+/// Resonances of a sphere follow each other at about this distance in its size parameter: what a rule makes of one panel that
+/// wide or wider says nothing about its neighbour.
+const ROUGH: f64 = 1.0;
 
 /// A sphere that stands for particles, or for a part of one.
 #[derive(Clone)]
