@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use mieux::io::quantity::{Size, parse_duration, parse_fraction};
 use mieux::io::recipe::{RecipeError, parse_setting};
-use mieux::jobs::{Approximation, Optics, Render, Stop};
+use mieux::jobs::{Approximation, Compare, Optics, Render, Stop};
 
 use crate::invert::InvertArgs;
 use crate::mie::MieArgs;
 use crate::paint::PaintCommand;
 use crate::phase::PhaseArgs;
+use crate::sizes::SizesArgs;
 use crate::slab::SlabArgs;
 
 /// What a material looks like, from what it is made of.
@@ -29,6 +30,8 @@ pub enum Command {
     Scenes,
     /// Compute the optical properties of a material over wavelength
     Optics(OpticsArgs),
+    /// Put two materials, or a material and measurements, side by side
+    Compare(CompareArgs),
     /// Render a picture of a material in a glass, or of a scene
     Render(RenderArgs),
     /// Compute what one particle does to light, or a table of them
@@ -36,6 +39,8 @@ pub enum Command {
     /// Cross sections, efficiencies and asymmetry, and with `--angles` amplitudes and Mueller matrix, of a sphere, or with
     /// `--layer` a sphere with layers around it, in any host (Lorenz-Mie theory).
     Mie(MieArgs),
+    /// Show a size distribution in every weighting: means, medians, effective radius
+    Sizes(SizesArgs),
     /// Compute how scattered light spreads over angle, and compare phase functions
     Phase(PhaseArgs),
     /// Compute how much light comes back from a slab or layers, passes, and stays
@@ -82,7 +87,7 @@ pub struct OpticsArgs {
     /// Relative tolerance of the integral over particle sizes
     #[arg(long, default_value = "1e-4")]
     pub tolerance: f64,
-    /// Also write optics.csv, optics.json and optics.svg to this folder
+    /// Also write tables (csv, json, parquet), plots, phase functions and colours of layers to this folder
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }
@@ -95,6 +100,52 @@ impl OpticsArgs {
             tolerance: self.tolerance,
             output: self.output,
             ..Optics::new(self.material)
+        })
+    }
+}
+
+#[derive(Args)]
+pub struct CompareArgs {
+    /// A material (see `mieux materials`), or the path of a recipe
+    pub material: String,
+    /// Another
+    #[arg(required_unless_present = "measured")]
+    pub other: Option<String>,
+    /// Set an input of the first material, as in `fat=1.5`; may be given several times
+    #[arg(long, value_name = "NAME=NUMBER")]
+    pub set: Vec<String>,
+    /// Set an input of the other material
+    #[arg(long, value_name = "NAME=NUMBER", requires = "other")]
+    pub set_other: Vec<String>,
+    /// Measurements: a CSV file with `wavelength_nm` and any of `sigma_s_per_m`, `reduced_scattering_per_mm`,
+    /// `sigma_a_per_cm`, `g`, ...
+    #[arg(long, value_name = "FILE")]
+    pub measured: Option<PathBuf>,
+    /// Wavelengths in vacuum [default: those of the measurements, or 375nm:775nm:25nm]
+    #[arg(long, value_name = "WAVELENGTHS")]
+    pub wavelengths: Option<String>,
+    /// How to print the result
+    #[arg(long, value_enum, default_value = "table")]
+    pub format: Format,
+    /// Relative tolerance of the integral over particle sizes
+    #[arg(long, default_value = "1e-4")]
+    pub tolerance: f64,
+    /// Also write compare.csv, compare.json and compare.svg to this folder
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+impl CompareArgs {
+    pub fn job(self) -> Result<Compare, RecipeError> {
+        Ok(Compare {
+            other: self.other,
+            set: self.set.iter().map(|s| parse_setting(s)).collect::<Result<_, _>>()?,
+            set_other: self.set_other.iter().map(|s| parse_setting(s)).collect::<Result<_, _>>()?,
+            measured: self.measured,
+            wavelengths: self.wavelengths,
+            tolerance: self.tolerance,
+            output: self.output,
+            ..Compare::new(self.material)
         })
     }
 }

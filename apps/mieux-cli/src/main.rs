@@ -8,6 +8,7 @@ mod paint;
 mod phase;
 mod progress;
 mod show;
+mod sizes;
 mod slab;
 
 use std::process::ExitCode;
@@ -39,12 +40,24 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
                 show::optics(&report, format)?;
             }
         }
+        Command::Compare(args) => {
+            let format = args.format;
+            if let Report::Compare(report) = run_job(&Job::Compare(args.job()?), format == Format::Table)? {
+                show::compare(&report, format)?;
+            }
+        }
         Command::Mie(args) => {
             let format = args.format;
             match run_job(&args.job(), format == Format::Table)? {
                 Report::Mie(report) => mie::show(&report, format)?,
                 Report::MieBatch(report) => mie::show_batch(&report)?,
                 _ => {}
+            }
+        }
+        Command::Sizes(args) => {
+            let format = args.format;
+            if let Report::Sizes(report) = run_job(&Job::Sizes(args.job()?), format == Format::Table)? {
+                sizes::show(&report, format)?;
             }
         }
         Command::Phase(args) => {

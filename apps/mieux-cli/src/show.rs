@@ -1,13 +1,15 @@
 //! What is printed.
 
 use std::io::{self, IsTerminal, Write};
+use std::path::PathBuf;
 
 use clap::CommandFactory;
 use mieux::io::plot::{srgb_bytes, srgb_hex};
 use mieux::io::quantity::{format_duration, format_length, format_per_length};
 use mieux::io::recipe::{MATERIALS, Recipe};
 use mieux::io::scene::{SCENES, SceneFile};
-use mieux::jobs::{OpticsReport, OpticsSheet, RenderReport};
+use mieux::io::table::Table;
+use mieux::jobs::{CompareReport, OpticsReport, OpticsSheet, RenderReport};
 
 use crate::args::{Cli, Format};
 use crate::failure::Failure;
@@ -30,8 +32,12 @@ pub fn materials() -> Result<(), Failure> {
         for (input, value) in recipe.inputs() {
             writeln!(
                 out,
-                "    --set {:<12} {value} {} ({} to {}): {}",
-                input.name, input.unit, input.minimum, input.maximum, input.about
+                "    --set {:<12} {} ({} to {}): {}",
+                input.name,
+                input.shown(*value),
+                input.minimum,
+                input.shown(input.maximum),
+                input.about
             )?;
         }
     }
@@ -54,16 +60,40 @@ pub fn completions(shell: clap_complete::Shell) {
 }
 
 pub fn optics(report: &OpticsReport, format: Format) -> Result<(), Failure> {
+    let table = report.sheet.table().map_err(Failure::from)?;
+    tabulated(&table, &report.sheet.json(), &report.files, format)?;
+    if format == Format::Table {
+        let mut out = io::stdout().lock();
+        for warning in report.sheet.warnings() {
+            writeln!(out, "warning: {warning}")?;
+        }
+    }
+    Ok(())
+}
+
+pub fn compare(report: &CompareReport, format: Format) -> Result<(), Failure> {
+    let table = report.sheet.table().map_err(Failure::from)?;
+    if format == Format::Table {
+        let mut out = io::stdout().lock();
+        for (key, value) in table.metadata() {
+            writeln!(out, "{key}: {value}")?;
+        }
+    }
+    tabulated(&table, &report.sheet.json(), &report.files, format)
+}
+
+/// A table for people with the files written, or one of its other forms.
+fn tabulated(table: &Table, json: &dyn std::fmt::Display, files: &[PathBuf], format: Format) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     match format {
         Format::Table => {
-            write!(out, "{}", report.sheet.table().map_err(Failure::from)?.to_text(5))?;
-            for file in &report.files {
+            write!(out, "{}", table.to_text(5))?;
+            for file in files {
                 writeln!(out, "{}", file.display())?;
             }
         }
-        Format::Csv => report.sheet.table().map_err(Failure::from)?.write_csv(&mut out)?,
-        Format::Json => writeln!(out, "{:#}", report.sheet.json())?,
+        Format::Csv => table.write_csv(&mut out)?,
+        Format::Json => writeln!(out, "{json:#}")?,
     }
     Ok(())
 }

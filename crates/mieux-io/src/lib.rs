@@ -3,8 +3,10 @@
 //! Nothing here prints, exits or reads the environment. Untrusted text and files end in typed errors that carry the
 //! offending value and say what would do; every file is written under another name and renamed when it is whole.
 
+mod cells;
 pub mod checkpoint;
 pub mod image;
+pub mod measured;
 pub mod output;
 pub mod paint;
 pub mod plot;

@@ -38,7 +38,7 @@ pub struct SceneFile {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Subject {
     /// A material by its recipe.
-    Material(Recipe),
+    Material(Box<Recipe>),
     /// A scene, with its name.
     Scene(String, SceneFile),
 }
@@ -63,7 +63,7 @@ impl Subject {
             let where_to_look = "`mieux materials` and `mieux scenes` list them all";
             return Err(unknown("material or scene", name_or_path, names, where_to_look));
         }
-        Ok(Self::Material(Recipe::find(name_or_path)?))
+        Ok(Self::Material(Box::new(Recipe::find(name_or_path)?)))
     }
 }
 

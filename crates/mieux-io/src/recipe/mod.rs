@@ -1,7 +1,10 @@
 //! Recipes: what a material is made of, as TOML. The built-in materials are such files.
 
 mod builtin;
+mod inclusion;
 mod schema;
+mod scope;
+mod size_table;
 mod sizes;
 
 use std::collections::BTreeMap;
@@ -13,8 +16,10 @@ use mieux_optics::material::{Input, MaterialError};
 use mieux_optics::medium::Medium;
 
 use crate::text_error::{TextError, did_you_mean, nearest_names};
+use schema::{Document, Source};
 
 pub use builtin::MATERIALS;
+pub use sizes::{SIZE_KINDS, parse_size_distribution};
 
 /// Largest recipe or scene file read, bytes.
 pub const MAX_TEXT: u64 = 1 << 20;
@@ -69,20 +74,15 @@ pub enum RecipeError {
     },
 }
 
-/// A recipe as read: a model with its inputs, or a mixture.
+/// A recipe as read: a model with its inputs, or a mixture, which may declare inputs of its own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recipe {
     name: String,
-    title: String,
-    about: String,
-    kind: Kind,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-enum Kind {
-    /// The milk model with these inputs, in the order of [`Milk::INPUTS`].
-    Milk([f64; 4]),
-    Mixture(Medium),
+    /// What errors call the text.
+    file: String,
+    text: String,
+    document: Document,
+    inputs: Vec<(Input, f64)>,
 }
 
 /// A material ready to be computed.
@@ -92,7 +92,7 @@ pub struct Material {
     pub name: String,
     /// What to call it in a heading.
     pub title: String,
-    /// The inputs and their values; none for a mixture.
+    /// The inputs and their values.
     pub inputs: Vec<(Input, f64)>,
     /// What it is made of.
     pub medium: Medium,
@@ -120,7 +120,14 @@ impl Recipe {
     /// # Errors
     /// [`RecipeError::Text`].
     pub fn parse(name: &str, file: &str, text: &str) -> Result<Self, RecipeError> {
-        Ok(schema::read(name, file, text)?)
+        let source = Source { file, text };
+        let document = Document::read(source)?;
+        let inputs = document.inputs(source)?;
+        let (name, file, text) = (name.to_owned(), file.to_owned(), text.to_owned());
+        let recipe = Self { name, file, text, document, inputs };
+        // A mistake shows when the recipe is read, not when it is used.
+        recipe.medium(&recipe.inputs)?;
+        Ok(recipe)
     }
 
     /// Name, as asked for.
@@ -130,47 +137,54 @@ impl Recipe {
 
     /// What to call it in a heading.
     pub fn title(&self) -> &str {
-        &self.title
+        self.document.title.as_deref().unwrap_or(&self.name)
     }
 
     /// What it is, in a sentence.
     pub fn about(&self) -> &str {
-        &self.about
+        self.document.about.as_deref().unwrap_or_default()
     }
 
-    /// The inputs, with the values the recipe gives them; none for a mixture.
-    pub fn inputs(&self) -> Vec<(Input, f64)> {
-        match &self.kind {
-            Kind::Milk(values) => Milk::INPUTS.into_iter().zip(*values).collect(),
-            Kind::Mixture(_) => Vec::new(),
-        }
+    /// The inputs, with the values the recipe gives them.
+    pub fn inputs(&self) -> &[(Input, f64)] {
+        &self.inputs
     }
 
     /// The material with some inputs set to other values.
     ///
     /// # Errors
-    /// [`RecipeError::NoSuchInput`] or [`RecipeError::Material`].
+    /// [`RecipeError::NoSuchInput`], [`RecipeError::Material`], or [`RecipeError::Text`] where a formula goes wrong with
+    /// these values.
     pub fn material(&self, settings: &BTreeMap<String, f64>) -> Result<Material, RecipeError> {
-        let mut inputs = self.inputs();
+        let mut inputs = self.inputs.clone();
         for (name, &value) in settings {
-            match inputs.iter_mut().find(|(input, _)| input.name == name) {
-                Some((_, slot)) => *slot = value,
+            match inputs.iter_mut().find(|(input, _)| input.name == *name) {
+                Some((input, slot)) => *slot = input.check(value).map_err(|source| self.refused(source))?,
                 None => return Err(self.no_such_input(name, &inputs)),
             }
         }
-        let medium = match &self.kind {
-            Kind::Mixture(medium) => medium.clone(),
-            Kind::Milk(_) => Milk::new(std::array::from_fn(|i| inputs[i].1))
-                .and_then(|milk| milk.medium())
-                .map_err(|source| RecipeError::Material { material: self.name.clone(), source })?,
-        };
-        Ok(Material { name: self.name.clone(), title: self.title.clone(), inputs, medium })
+        let medium = self.medium(&inputs)?;
+        Ok(Material { name: self.name.clone(), title: self.title().to_owned(), inputs, medium })
+    }
+
+    fn medium(&self, inputs: &[(Input, f64)]) -> Result<Medium, RecipeError> {
+        let source = Source { file: &self.file, text: &self.text };
+        if self.document.has_model() {
+            self.document.refuse_mixture(source)?;
+            let milk = Milk::new(std::array::from_fn(|i| inputs[i].1));
+            return milk.and_then(|milk| milk.medium()).map_err(|source| self.refused(source));
+        }
+        Ok(self.document.mixture(source, inputs)?)
+    }
+
+    fn refused(&self, source: MaterialError) -> RecipeError {
+        RecipeError::Material { material: self.name.clone(), source }
     }
 
     fn no_such_input(&self, name: &str, inputs: &[(Input, f64)]) -> RecipeError {
-        let names: Vec<&str> = inputs.iter().map(|(input, _)| input.name).collect();
+        let names: Vec<&str> = inputs.iter().map(|(input, _)| &*input.name).collect();
         let help = if names.is_empty() {
-            "its recipe is a fixed mixture; to change it, write a recipe file of your own".to_string()
+            "its recipe has no inputs; to change it, write a recipe file of your own".to_string()
         } else {
             format!("it has {}", names.join(", "))
         };
@@ -292,6 +306,38 @@ size_distribution = { kind = "monodisperse", radius = "80 nm" }
         assert!(recipe.material(&BTreeMap::from([("fat".into(), 1.0)])).is_err());
     }
 
+    /// As [`EMULSION`], with inputs.
+    const OIL: &str = r#"[inputs]
+oil = { unit = "vol.-%", default = 4, minimum = 0, maximum = 50, about = "oil" }
+[derived]
+share = "= oil / whole"
+whole = "= 10 ^ 2"
+[host]
+substance = "water"
+[[inclusion]]
+refractive_index = "1.46"
+volume_fraction = "= share"
+size_distribution = { kind = "monodisperse", radius = "= (1 + share) / 2 um" }
+"#;
+
+    #[test]
+    fn a_mixture_has_inputs_of_its_own() {
+        let recipe = Recipe::parse("my", "my.toml", OIL).unwrap();
+        let oil = |settings: &[(&str, f64)]| {
+            let settings = settings.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+            recipe.material(&settings)
+        };
+        let material = oil(&[("oil", 10.0)]).unwrap();
+        let inclusion = &material.medium.inclusions()[0];
+        assert_eq!(inclusion.volume_fraction, 0.1);
+        assert_eq!(inclusion.sizes, mieux_optics::particle::SizeDistribution::monodisperse(0.55e-6).unwrap());
+        assert_eq!((material.inputs[0].1, &*material.inputs[0].0.unit), (10.0, "vol.-%"));
+        assert!(oil(&[]).unwrap().medium.inclusions()[0].volume_fraction == 0.04);
+        assert!(oil(&[("oil", 0.0)]).unwrap().medium.inclusions().is_empty());
+        assert!(matches!(oil(&[("oil", 51.0)]), Err(RecipeError::Material { .. })));
+        assert!(matches!(oil(&[("fat", 1.0)]), Err(RecipeError::NoSuchInput { .. })));
+    }
+
     #[test]
     fn mistakes_are_pointed_at() {
         let cases = [
@@ -312,6 +358,16 @@ size_distribution = { kind = "monodisperse", radius = "80 nm" }
             ("model = \"mlik\"\n".into(), 1, "no model called `mlik`"),
             ("model = \"milk\"\n[host]\nsubstance = \"water\"\n".into(), 2, "model"),
             ("title = \"nothing\"\n".into(), 1, "host"),
+            (EMULSION.replace("0.04", "\"= oil / 100\""), 8, "`oil` is neither an input"),
+            (EMULSION.replace("0.04", "\"= 4 / \""), 8, "the formula `4 /`"),
+            (EMULSION.replace("0.04", "\"4\""), 8, "a formula such as"),
+            (OIL.replace("default = 4", "default = 400"), 2, "out of range"),
+            (OIL.replace("maximum", "most"), 2, "`most`"),
+            (OIL.replace("oil =", "exp ="), 2, "a meaning of its own"),
+            (OIL.replace("oil =", "\"o-l\" ="), 2, "cannot name an input"),
+            (OIL.replace("share = \"= oil", "share = \"= share"), 4, "depends on itself"),
+            (OIL.replace("share =", "oil ="), 4, "an input already"),
+            (OIL.replace("oil = {", "oil = 3 #"), 2, "declared by a table"),
         ];
         for (text, line, part) in cases {
             let message = message(&text);

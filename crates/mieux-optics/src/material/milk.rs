@@ -7,6 +7,8 @@
 
 pub mod published_fit;
 
+use std::borrow::Cow;
+
 use super::{Input, MaterialError};
 use crate::medium::{Inclusion, Medium};
 use crate::particle::{LogNormal, SizeDistribution, TransformedLogNormal, Weighting};
@@ -44,36 +46,36 @@ impl Milk {
     /// The inputs, in the order in which [`Self::new`] takes them.
     pub const INPUTS: [Input; 4] = [
         Input {
-            name: "fat",
-            unit: "wt.-%",
+            name: Cow::Borrowed("fat"),
+            unit: Cow::Borrowed("wt.-%"),
             default: 3.5,
             minimum: 0.0,
             maximum: 60.0,
-            about: "milk fat, g per 100 g; the size of the globules follows from it",
+            about: Cow::Borrowed("milk fat, g per 100 g; the size of the globules follows from it"),
         },
         Input {
-            name: "protein",
-            unit: "wt.-%",
+            name: Cow::Borrowed("protein"),
+            unit: Cow::Borrowed("wt.-%"),
             default: 3.4,
             minimum: 0.0,
             maximum: 30.0,
-            about: "milk protein, g per 100 g; 76 % of its volume is casein micelles",
+            about: Cow::Borrowed("milk protein, g per 100 g; 76 % of its volume is casein micelles"),
         },
         Input {
-            name: "temperature",
-            unit: "degC",
+            name: Cow::Borrowed("temperature"),
+            unit: Cow::Borrowed("degC"),
             default: 20.0,
             minimum: 0.0,
             maximum: 30.0,
-            about: "acts on the refractive indices of water and fat",
+            about: Cow::Borrowed("acts on the refractive indices of water and fat"),
         },
         Input {
-            name: "riboflavin",
-            unit: "mg/100g",
+            name: Cow::Borrowed("riboflavin"),
+            unit: Cow::Borrowed("mg/100g"),
             default: NATURAL_RIBOFLAVIN_MG_PER_100G,
             minimum: 0.0,
             maximum: 10.0,
-            about: "vitamin B2 dissolved in the water, which absorbs blue",
+            about: Cow::Borrowed("vitamin B2 dissolved in the water, which absorbs blue"),
         },
     ];
 

@@ -2,16 +2,18 @@
 
 pub mod milk;
 
+use std::borrow::Cow;
+
 use crate::medium::MediumError;
 use crate::particle::ParticleError;
 
 /// One input of a model: what it is called, what it means, what it may be.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Input {
     /// Name, as used on the command line and in recipes.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Unit, as shown to people.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// Value taken when none is given.
     pub default: f64,
     /// Smallest value accepted.
@@ -19,10 +21,15 @@ pub struct Input {
     /// Largest value accepted.
     pub maximum: f64,
     /// What it means, in one line.
-    pub about: &'static str,
+    pub about: Cow<'static, str>,
 }
 
 impl Input {
+    /// A value with its unit, as people write it.
+    pub fn shown(&self, value: f64) -> String {
+        format!("{value} {}", self.unit).trim_end().to_owned()
+    }
+
     /// The value, if it may be.
     ///
     /// # Errors
@@ -31,7 +38,7 @@ impl Input {
         if value >= self.minimum && value <= self.maximum {
             Ok(value)
         } else {
-            Err(MaterialError::InputRange { input: *self, value })
+            Err(MaterialError::InputRange { input: Box::new(self.clone()), value })
         }
     }
 }
@@ -40,13 +47,10 @@ impl Input {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MaterialError {
     /// An input outside its range.
-    #[error(
-        "{} = {value} {} is out of range: {} to {} {}",
-        input.name, input.unit, input.minimum, input.maximum, input.unit
-    )]
+    #[error("{} = {} is out of range: {} to {}", input.name, input.shown(*value), input.minimum, input.shown(input.maximum))]
     InputRange {
         /// The input.
-        input: Input,
+        input: Box<Input>,
         /// What was given.
         value: f64,
     },

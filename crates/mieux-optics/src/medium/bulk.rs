@@ -205,7 +205,7 @@ fn contribution(
                 (0..5).for_each(|k| sum[k] += amount * v[k]);
             }
             Spread::Smooth(sizes) => {
-                let (integral, _) = scatterer.integrate(sizes, tolerance, floor)?;
+                let integral = scatterer.integrate_smoothed(sizes, tolerance, floor)?;
                 let scale = share / integral.value[5];
                 (0..5).for_each(|k| sum[k] += scale * integral.value[k]);
                 let volume = integral.error[4] / integral.value[4];

@@ -9,6 +9,7 @@ mod inclusion;
 mod packing;
 mod phase;
 mod scatterer;
+mod smoothing;
 
 use num_complex::Complex64;
 

@@ -128,6 +128,15 @@ impl SizeDistribution {
         Ok(sum.into_iter().map(|density| density / total).collect())
     }
 
+    /// Share of what the weighting counts that lies below a radius (m), 0 to 1.
+    ///
+    /// # Errors
+    /// [`ParticleError::Diverges`].
+    pub fn share_below(&self, weighting: Weighting, radius_m: f64) -> Result<f64, ParticleError> {
+        let power = weighting.power();
+        Ok((self.below(power, radius_m)? / self.moment(power)?).min(1.0))
+    }
+
     /// Radius (m) below which lies a share (0 to 1) of what the weighting counts.
     ///
     /// # Errors

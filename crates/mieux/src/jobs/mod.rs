@@ -2,6 +2,7 @@
 //!
 //! The command line, a TOML or JSON file, and whatever comes later build the same values and run them the same way.
 
+mod compare;
 mod error;
 mod event;
 mod invert;
@@ -11,10 +12,12 @@ mod paint;
 mod phase;
 mod render;
 mod sheet;
+mod sizes;
 mod slab;
 
 use serde::{Deserialize, Serialize};
 
+pub use compare::{Compare, CompareReport, CompareSheet, Difference, Side};
 pub use error::JobError;
 pub use event::{Context, Event, Stage};
 pub use invert::{Invert, InvertReport, InvertSheet, Inverted, Slabs};
@@ -27,9 +30,10 @@ pub use paint::{
 pub use phase::{Comparand, Compared, FitKind, Named, Phase, PhaseModel, PhaseReport, PhaseSheet};
 pub use render::{Approximation, Render, RenderReport, Stop};
 pub use sheet::{Made, OpticsSheet};
+pub use sizes::{Population, Sizes, SizesReport};
 pub use slab::{
-    Answer, Backing, Case, Patch, PhaseName, Sample, Slab, SlabCompare, SlabCompareReport, SlabCompareSheet, SlabError,
-    SlabLight, SlabReport, SlabSheet, Solver, Trial,
+    Answer, Backing, Case, LayerColour, Patch, PhaseName, Sample, Slab, SlabCompare, SlabCompareReport,
+    SlabCompareSheet, SlabError, SlabLight, SlabReport, SlabSheet, Solver, Trial,
 };
 
 /// Everything `mieux` can be asked to do.
@@ -38,8 +42,12 @@ pub use slab::{
 pub enum Job {
     /// Optical properties of a material over wavelength.
     Optics(Optics),
+    /// Two materials, or a material and measurements, side by side.
+    Compare(Compare),
     /// A picture.
     Render(Render),
+    /// What a size distribution amounts to.
+    Sizes(Sizes),
     /// Light and one particle.
     Mie(Mie),
     /// Light and a table of spheres.
@@ -65,8 +73,12 @@ pub enum Job {
 pub enum Report {
     /// Of [`Job::Optics`].
     Optics(Box<OpticsReport>),
+    /// Of [`Job::Compare`].
+    Compare(Box<CompareReport>),
     /// Of [`Job::Render`].
     Render(Box<RenderReport>),
+    /// Of [`Job::Sizes`].
+    Sizes(Box<SizesReport>),
     /// Of [`Job::Mie`].
     Mie(Box<MieReport>),
     /// Of [`Job::MieBatch`].
@@ -95,7 +107,9 @@ impl Job {
     pub fn run(&self, context: &Context<'_>) -> Result<Report, JobError> {
         match self {
             Self::Optics(job) => job.run(context).map(|report| Report::Optics(Box::new(report))),
+            Self::Compare(job) => job.run(context).map(|report| Report::Compare(Box::new(report))),
             Self::Render(job) => job.run(context).map(|report| Report::Render(Box::new(report))),
+            Self::Sizes(job) => job.run(context).map(|report| Report::Sizes(Box::new(report))),
             Self::Mie(job) => job.run(context).map(|report| Report::Mie(Box::new(report))),
             Self::MieBatch(job) => job.run(context).map(|report| Report::MieBatch(Box::new(report))),
             Self::Phase(job) => job.run(context).map(|report| Report::Phase(Box::new(report))),

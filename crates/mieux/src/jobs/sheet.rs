@@ -79,6 +79,12 @@ impl OpticsSheet {
         [wavelengths[i], s * (1.0 - g), a, g, s + a]
     }
 
+    /// What makes the properties doubtful, in words: particles too near to each other to scatter independently.
+    pub fn warnings(&self) -> Vec<String> {
+        let longest = self.bulk.grid().range().1;
+        self.material.medium.doubts(longest).iter().map(ToString::to_string).collect()
+    }
+
     /// As a table, with units in the column names and what was computed in its head.
     ///
     /// # Errors
@@ -87,10 +93,13 @@ impl OpticsSheet {
         let b = &self.bulk;
         let mut table = Table::new(self.material.title.clone()).with_metadata("material", self.material.name.clone());
         for (input, value) in &self.material.inputs {
-            table = table.with_metadata(input.name, format!("{value} {}", input.unit));
+            table = table.with_metadata(&*input.name, input.shown(*value));
         }
         table =
             table.with_metadata("largest relative error of the size integral", format!("{:.1e}", b.relative_error()));
+        for warning in self.warnings() {
+            table = table.with_metadata("warning", warning);
+        }
         let columns = [
             ("wavelength", "nm", self.nanometres()),
             ("sigma_s", "per_m", b.sigma_s().to_vec()),
@@ -110,7 +119,7 @@ impl OpticsSheet {
     /// As JSON: arrays of one length.
     pub fn json(&self) -> serde_json::Value {
         let b = &self.bulk;
-        let inputs: BTreeMap<&str, f64> = self.material.inputs.iter().map(|(i, v)| (i.name, *v)).collect();
+        let inputs: BTreeMap<&str, f64> = self.material.inputs.iter().map(|(i, v)| (&*i.name, *v)).collect();
         json!({
             "material": self.material.name,
             "inputs": inputs,
@@ -121,6 +130,7 @@ impl OpticsSheet {
             "g": b.asymmetry(),
             "n_real": b.n_real(),
             "n_imag": b.n_imag(),
+            "warnings": self.warnings(),
         })
     }
 

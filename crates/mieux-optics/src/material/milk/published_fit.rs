@@ -28,7 +28,14 @@ const PROTEIN_FORWARD: [f64; 3] = [18.63, 37.79, 96.69];
 /// fit has no asymmetry to give).
 pub fn published_fit(fat: f64, protein: f64) -> Result<MilkFit, MaterialError> {
     let positive = if fat == 0.0 { f64::MIN_POSITIVE } else { 0.0 };
-    let limits = |name, minimum| Input { name, unit: "wt.-%", default: 0.0, minimum, maximum: 100.0, about: "" };
+    let limits = |name: &'static str, minimum| Input {
+        name: name.into(),
+        unit: "wt.-%".into(),
+        default: 0.0,
+        minimum,
+        maximum: 100.0,
+        about: "".into(),
+    };
     limits("fat", 0.0).check(fat)?;
     limits("protein", positive).check(protein)?;
 

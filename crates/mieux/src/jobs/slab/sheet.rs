@@ -155,7 +155,7 @@ impl SlabSheet {
         let mut all: Vec<(String, String)> = Vec::new();
         if let Some(material) = &self.material {
             all.push(("material".into(), material.name.clone()));
-            all.extend(material.inputs.iter().map(|(i, value)| (i.name.to_owned(), format!("{value} {}", i.unit))));
+            all.extend(material.inputs.iter().map(|(i, value)| (i.name.to_string(), i.shown(*value))));
         }
         all.extend(self.setting.iter().map(|(name, value)| ((*name).to_owned(), value.clone())));
         all.push(("solver".into(), self.solver_in_words()));
@@ -203,7 +203,7 @@ impl SlabSheet {
         value.insert("title".into(), json!(self.title));
         if let Some(material) = &self.material {
             let inputs: Map<String, Value> =
-                material.inputs.iter().map(|(input, value)| (input.name.to_owned(), json!(value))).collect();
+                material.inputs.iter().map(|(input, value)| (input.name.to_string(), json!(value))).collect();
             value.insert("material".into(), json!(material.name));
             value.insert("inputs".into(), Value::Object(inputs));
         }

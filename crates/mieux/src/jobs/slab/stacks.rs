@@ -172,7 +172,7 @@ fn spectra(
 ) -> Result<Vec<SpectralMatter>, JobError> {
     let Some(grid) = grid else { return Ok(Vec::new()) };
     context.say(Event::Begin(Stage::Optics));
-    let count = Count { done: AtomicU64::new(0), total: (grid.len() * materials.len()) as u64 };
+    let count = Count { stage: Stage::Optics, done: AtomicU64::new(0), total: (grid.len() * materials.len()) as u64 };
     let all = materials.iter().map(|material| SpectralMatter::compute(material, grid, wanted, &count, context));
     let all = all.collect::<Result<_, _>>()?;
     context.say(Event::End(Stage::Optics));

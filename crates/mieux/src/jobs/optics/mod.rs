@@ -1,5 +1,7 @@
 //! The job behind `mieux optics`.
 
+mod folder;
+
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -10,6 +12,7 @@ use mieux_optics::medium::DEFAULT_TOLERANCE;
 use mieux_optics::spectrum::WavelengthGrid;
 use serde::{Deserialize, Serialize};
 
+use super::slab::Look;
 use super::{Context, Event, JobError, OpticsSheet, Stage};
 
 /// Optical properties of a material over wavelength.
@@ -27,7 +30,7 @@ pub struct Optics {
     /// Relative tolerance of the integral over particle sizes.
     #[serde(default = "default_tolerance")]
     pub tolerance: f64,
-    /// Folder for table and plot; nothing is written when left out.
+    /// Folder for tables, plots, phase functions and colours; nothing is written when left out.
     #[serde(default)]
     pub output: Option<PathBuf>,
 }
@@ -58,10 +61,9 @@ impl Optics {
         let mut files = Vec::new();
         if let Some(folder) = &self.output {
             let dir = OutputDir::create(folder)?;
+            let look = Look::compute(&sheet.material, &grid, self.tolerance, context)?;
             context.say(Event::Begin(Stage::Write));
-            files = sheet.write(&dir, "optics")?;
-            let json = sheet.json();
-            files.push(dir.write("optics.json", |out| Ok(serde_json::to_writer_pretty(out, &json)?))?);
+            files = folder::write(&dir, &sheet, &look)?;
             dir.commit();
             context.say(Event::End(Stage::Write));
         }
