@@ -11,6 +11,7 @@ use crate::invert::InvertArgs;
 use crate::mie::MieArgs;
 use crate::paint::PaintCommand;
 use crate::phase::PhaseArgs;
+use crate::sizes::SizesArgs;
 use crate::slab::SlabArgs;
 use crate::substances::SubstancesArgs;
 
@@ -41,6 +42,8 @@ pub enum Command {
     /// Cross sections, efficiencies and asymmetry, and with `--angles` amplitudes and Mueller matrix, of a sphere, or with
     /// `--layer` a sphere with layers around it, in any host (Lorenz-Mie theory).
     Mie(MieArgs),
+    /// Show a size distribution in every weighting: means, medians, effective radius
+    Sizes(SizesArgs),
     /// Compute how scattered light spreads over angle, and compare phase functions
     Phase(PhaseArgs),
     /// Compute how much light comes back from a slab or layers, passes, and stays

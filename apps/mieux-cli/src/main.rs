@@ -8,6 +8,7 @@ mod paint;
 mod phase;
 mod progress;
 mod show;
+mod sizes;
 mod slab;
 mod substances;
 
@@ -63,6 +64,12 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
                 Report::Mie(report) => mie::show(&report, format)?,
                 Report::MieBatch(report) => mie::show_batch(&report)?,
                 _ => {}
+            }
+        }
+        Command::Sizes(args) => {
+            let format = args.format;
+            if let Report::Sizes(report) = run_job(&Job::Sizes(args.job()?), format == Format::Table)? {
+                sizes::show(&report, format)?;
             }
         }
         Command::Phase(args) => {

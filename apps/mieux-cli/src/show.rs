@@ -89,7 +89,14 @@ pub fn completions(shell: clap_complete::Shell) {
 
 pub fn optics(report: &OpticsReport, format: Format) -> Result<(), Failure> {
     let table = report.sheet.table().map_err(Failure::from)?;
-    tabulated(&table, &report.sheet.json(), &report.files, format)
+    tabulated(&table, &report.sheet.json(), &report.files, format)?;
+    if format == Format::Table {
+        let mut out = io::stdout().lock();
+        for warning in report.sheet.warnings() {
+            writeln!(out, "warning: {warning}")?;
+        }
+    }
+    Ok(())
 }
 
 pub fn compare(report: &CompareReport, format: Format) -> Result<(), Failure> {

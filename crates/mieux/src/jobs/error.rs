@@ -19,6 +19,7 @@ use mieux_io::table::TableError;
 use mieux_optics::medium::MediumError;
 use mieux_optics::mie::MieError;
 use mieux_optics::paint::PaintError;
+use mieux_optics::particle::ParticleError;
 use mieux_optics::phase::PhaseError;
 use mieux_optics::spectrum::SpectrumError;
 use mieux_optics::substance::SubstanceError;
@@ -80,6 +81,15 @@ pub enum JobError {
         /// The outer radius of the one below.
         below: Length,
     },
+    /// A weighting that there is not.
+    #[error("there is no weighting `{name}`: number, surface, volume and intensity are known")]
+    Weighting {
+        /// What was asked for.
+        name: String,
+    },
+    /// Sizes that cannot be counted in the way asked for.
+    #[error(transparent)]
+    Particle(#[from] ParticleError),
     /// A phase function that is none.
     #[error(transparent)]
     Phase(#[from] PhaseError),

@@ -12,6 +12,7 @@ mod paint;
 mod phase;
 mod render;
 mod sheet;
+mod sizes;
 mod slab;
 mod substance;
 
@@ -30,6 +31,7 @@ pub use paint::{
 pub use phase::{Comparand, Compared, FitKind, Named, Phase, PhaseModel, PhaseReport, PhaseSheet};
 pub use render::{Approximation, Render, RenderReport, Stop};
 pub use sheet::{Made, OpticsSheet, made_of};
+pub use sizes::{Population, Sizes, SizesReport};
 pub use slab::{
     Answer, Backing, Case, LayerColour, Patch, PhaseName, Sample, Slab, SlabCompare, SlabCompareReport,
     SlabCompareSheet, SlabError, SlabLight, SlabReport, SlabSheet, Solver, Trial,
@@ -46,6 +48,8 @@ pub enum Job {
     Compare(Compare),
     /// A picture.
     Render(Render),
+    /// What a size distribution amounts to.
+    Sizes(Sizes),
     /// Light and one particle.
     Mie(Mie),
     /// Light and a table of spheres.
@@ -77,6 +81,8 @@ pub enum Report {
     Compare(Box<CompareReport>),
     /// Of [`Job::Render`].
     Render(Box<RenderReport>),
+    /// Of [`Job::Sizes`].
+    Sizes(Box<SizesReport>),
     /// Of [`Job::Mie`].
     Mie(Box<MieReport>),
     /// Of [`Job::MieBatch`].
@@ -109,6 +115,7 @@ impl Job {
             Self::Optics(job) => job.run(context).map(|report| Report::Optics(Box::new(report))),
             Self::Compare(job) => job.run(context).map(|report| Report::Compare(Box::new(report))),
             Self::Render(job) => job.run(context).map(|report| Report::Render(Box::new(report))),
+            Self::Sizes(job) => job.run(context).map(|report| Report::Sizes(Box::new(report))),
             Self::Mie(job) => job.run(context).map(|report| Report::Mie(Box::new(report))),
             Self::MieBatch(job) => job.run(context).map(|report| Report::MieBatch(Box::new(report))),
             Self::Phase(job) => job.run(context).map(|report| Report::Phase(Box::new(report))),
