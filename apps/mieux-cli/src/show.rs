@@ -144,6 +144,9 @@ pub fn render(report: &RenderReport, again: &str) {
         text += "approximate: in bodies at least ten transport mean free paths thick light diffuses instead of being \
                  followed (docs/diffusion.md)\n";
     }
+    for note in &report.notes {
+        text += &format!("{note}\n");
+    }
     let lost = report.statistics.lost;
     if lost > 0 {
         text += &format!("{lost} of {} paths were given up; they count as dark\n", report.statistics.paths);

@@ -78,8 +78,11 @@ pub(crate) fn integrate_panels<const K: usize, E>(
         nodes.extend(fresh.iter().flat_map(|&(from, to)| kronrod_nodes(from, to)));
         f(&nodes, &mut values)?;
         let found = fresh.iter().zip(values.chunks_exact(NODE_COUNT));
-        panels.extend(found.map(|(&(from, to), values)| {
-            Panel { from, to, rough: rough(from, to), integral: kronrod(to - from, values) }
+        panels.extend(found.map(|(&(from, to), values)| Panel {
+            from,
+            to,
+            rough: rough(from, to),
+            integral: kronrod(to - from, values),
         }));
 
         let total = sum(&panels);
@@ -100,7 +103,8 @@ pub(crate) fn integrate_panels<const K: usize, E>(
         panels.retain(|panel| {
             let Panel { from, to, rough, integral } = panel;
             let share = 0.8 * if *rough { 0.5 * share.sqrt() } else { share };
-            let excess = |k: usize| if integral.error[k] > 0.0 { integral.error[k] / (share * allowed[k]) } else { 0.0 };
+            let excess =
+                |k: usize| if integral.error[k] > 0.0 { integral.error[k] / (share * allowed[k]) } else { 0.0 };
             let most = (0..K).map(excess).fold(0.0, f64::max);
             if most <= 1.0 {
                 return true;
@@ -239,7 +243,8 @@ mod tests {
             values.extend(nodes.iter().map(|x| [peak(*x)]));
             Ok::<_, Infallible>(())
         };
-        let (integral, panels) = integrate_panels(&[-1.0, 0.5, 1.0], 1e-10, |_| [0.0], |_, _| false, fill).unwrap().unwrap();
+        let (integral, panels) =
+            integrate_panels(&[-1.0, 0.5, 1.0], 1e-10, |_| [0.0], |_, _| false, fill).unwrap().unwrap();
         assert_eq!((panels[0][0], panels[panels.len() - 1][1]), (-1.0, 1.0));
         assert!(panels.windows(2).all(|pair| pair[0][1] == pair[1][0]) && panels.len() > 8);
         let sum: f64 = panels.iter().flat_map(|panel| rule(*panel)).map(|(x, w)| w * peak(x)).sum();

@@ -127,9 +127,9 @@ impl Document {
         let around = Around { temperature: self.temperature(place)?, database: self.index_db.as_ref() };
         let density = &host.get_ref().density;
         let host = made!(host).read(place, around)?;
-        let density = density.as_ref().map(|text| {
-            parse_mass_density(&place.text(text)?).map_err(|e| place.error(text.span(), e))
-        });
+        let density = density
+            .as_ref()
+            .map(|text| parse_mass_density(&place.text(text)?).map_err(|e| place.error(text.span(), e)));
         let inclusions = read_inclusions(place, &self.inclusion, around, density.transpose()?)?;
         let span = self.inclusion.first().map_or(0..0, Spanned::span);
         Medium::new(host, inclusions).map_err(|e| source.error(span, e))

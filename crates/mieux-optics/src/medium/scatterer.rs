@@ -10,8 +10,8 @@ use super::smoothing::{Map, Smoothing};
 use super::{Inclusion, MediumError, Packing, SizedBy};
 use crate::integrate::{Converged, Integral, gauss_legendre, integrate_panels};
 use crate::mie::{
-    Coefficients, Directions, Layer, LayeredSphere, MieError, PlaneWave, Sphere, SphereScattering, scatter_layered_spheres,
-    scatter_spheres,
+    Coefficients, Directions, Layer, LayeredSphere, MieError, PlaneWave, Sphere, SphereScattering,
+    scatter_layered_spheres, scatter_spheres,
 };
 use crate::particle::{Smooth, sphere_volume};
 
@@ -132,16 +132,24 @@ impl<'a> Scatterer<'a> {
     fn scattering(&self) -> Result<Vec<SphereScattering>, MediumError> {
         let mut found = Vec::with_capacity(self.balls.len());
         let result = if self.coats.is_empty() {
-            let spheres: Vec<Sphere> = self.balls.iter().filter_map(|ball| match ball {
-                Ball::Homogeneous(sphere) => Some(*sphere),
-                Ball::Layered(_) => None,
-            }).collect();
+            let spheres: Vec<Sphere> = self
+                .balls
+                .iter()
+                .filter_map(|ball| match ball {
+                    Ball::Homogeneous(sphere) => Some(*sphere),
+                    Ball::Layered(_) => None,
+                })
+                .collect();
             scatter_spheres(&spheres, &mut found)
         } else {
-            let spheres: Vec<LayeredSphere> = self.balls.iter().filter_map(|ball| match ball {
-                Ball::Layered(sphere) => Some(sphere.clone()),
-                Ball::Homogeneous(_) => None,
-            }).collect();
+            let spheres: Vec<LayeredSphere> = self
+                .balls
+                .iter()
+                .filter_map(|ball| match ball {
+                    Ball::Layered(sphere) => Some(sphere.clone()),
+                    Ball::Homogeneous(_) => None,
+                })
+                .collect();
             scatter_layered_spheres(&spheres, &mut found)
         };
         result.map_err(|error| mie_error(self.inclusion, error.source))?;

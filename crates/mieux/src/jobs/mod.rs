@@ -15,6 +15,7 @@ mod sheet;
 mod sizes;
 mod slab;
 mod substance;
+mod wavelengths;
 
 use serde::{Deserialize, Serialize};
 

@@ -7,13 +7,11 @@ use std::path::PathBuf;
 
 use mieux_io::measured::Measured;
 use mieux_io::output::OutputDir;
-use mieux_io::quantity::parse_wavelengths;
 use mieux_io::recipe::Recipe;
 use mieux_optics::medium::DEFAULT_TOLERANCE;
-use mieux_optics::spectrum::WavelengthGrid;
 use serde::{Deserialize, Serialize};
 
-use super::{Context, Event, JobError, OpticsSheet, Stage};
+use super::{Context, Event, JobError, OpticsSheet, Stage, wavelengths};
 pub use sheet::{CompareSheet, Difference, Side};
 
 /// A material beside another, beside measurements, or both.
@@ -69,18 +67,17 @@ impl Compare {
             return Err(JobError::NothingToCompare);
         }
         let measured = self.measured.as_ref().map(|path| Measured::read(path)).transpose()?;
-        let grid = match (&self.wavelengths, &measured) {
-            (Some(text), _) => parse_wavelengths(text)?,
-            (None, Some(measured)) => measured.grid.clone(),
-            (None, None) => WavelengthGrid::frisvad2007(),
-        };
-        let of = |name: &str, set| -> Result<Side, JobError> {
-            let material = Recipe::find(name)?.material(set)?;
-            Ok(Side::computed(&OpticsSheet::compute(material, &grid, self.tolerance, context)?))
-        };
-        let mut sides = vec![of(&self.material, &self.set)?];
+        let mut materials = vec![Recipe::find(&self.material)?.material(&self.set)?];
         if let Some(other) = &self.other {
-            sides.push(of(other, &self.set_other)?);
+            materials.push(Recipe::find(other)?.material(&self.set_other)?);
+        }
+        let grid = match (&self.wavelengths, &measured) {
+            (None, Some(measured)) => measured.grid.clone(),
+            (text, _) => wavelengths::chosen(text.as_ref(), materials.iter().map(|m| &m.medium))?,
+        };
+        let mut sides = Vec::new();
+        for material in materials {
+            sides.push(Side::computed(&OpticsSheet::compute(material, &grid, self.tolerance, context)?));
         }
         if let (Some(measured), Some(path)) = (&measured, &self.measured) {
             sides.push(Side::measured(path, measured, &grid));

@@ -6,14 +6,12 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use mieux_io::output::OutputDir;
-use mieux_io::quantity::parse_wavelengths;
 use mieux_io::recipe::Recipe;
 use mieux_optics::medium::DEFAULT_TOLERANCE;
-use mieux_optics::spectrum::WavelengthGrid;
 use serde::{Deserialize, Serialize};
 
 use super::slab::Look;
-use super::{Context, Event, JobError, OpticsSheet, Stage};
+use super::{Context, Event, JobError, OpticsSheet, Stage, wavelengths};
 
 /// Optical properties of a material over wavelength.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -53,10 +51,7 @@ impl Optics {
 
     pub(super) fn run(&self, context: &Context<'_>) -> Result<OpticsReport, JobError> {
         let material = Recipe::find(&self.material)?.material(&self.set)?;
-        let grid = match &self.wavelengths {
-            Some(text) => parse_wavelengths(text)?,
-            None => WavelengthGrid::frisvad2007(),
-        };
+        let grid = wavelengths::chosen(self.wavelengths.as_ref(), [&material.medium])?;
         let sheet = OpticsSheet::compute(material, &grid, self.tolerance, context)?;
         let mut files = Vec::new();
         if let Some(folder) = &self.output {
