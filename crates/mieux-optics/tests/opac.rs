@@ -25,7 +25,9 @@ fn rows(text: &str) -> Vec<[f64; 8]> {
     let table = text.lines().filter_map(|line| {
         let line = line.strip_prefix('#')?;
         let cells: Vec<f64> = line.split_whitespace().map(|cell| cell.parse()).collect::<Result<_, _>>().ok()?;
-        let [wavelength, extinction, scattering, absorption, albedo, asymmetry, _, re, im] = cells[..] else { return None };
+        let [wavelength, extinction, scattering, absorption, albedo, asymmetry, _, re, im] = cells[..] else {
+            return None;
+        };
         Some([wavelength * UM, extinction * 1e-3, scattering * 1e-3, absorption * 1e-3, albedo, asymmetry, re, -im])
     });
     table.collect()

@@ -128,8 +128,7 @@ fn a_sum_of_sizes_is_its_parts() {
     let glass = || constant(1.5, 1e-5);
     let mixed = medium(vec![Inclusion::new("beads", glass(), SizeDistribution::Mixture(mix), 0.01)]);
     let [a, b] = parts;
-    let apart =
-        medium(vec![Inclusion::new("small", glass(), a, 0.003), Inclusion::new("large", glass(), b, 0.007)]);
+    let apart = medium(vec![Inclusion::new("small", glass(), a, 0.003), Inclusion::new("large", glass(), b, 0.007)]);
     let (found, expected) = (mixed.optics_at(GREEN, 1e-6).unwrap(), apart.optics_at(GREEN, 1e-6).unwrap());
     close(found.sigma_s, expected.sigma_s, 1e-6);
     close(found.asymmetry, expected.asymmetry, 1e-6);
@@ -145,8 +144,11 @@ fn a_sum_of_sizes_is_its_parts() {
 fn packed_spheres_interfere() {
     let beads = |fraction, packing| {
         let glass = constant(1.59, 0.0);
-        Medium::new(constant(1.33, 0.0), vec![Inclusion::new("b", glass, one_size(0.23e-6), fraction).with_packing(packing)])
-            .unwrap()
+        Medium::new(
+            constant(1.33, 0.0),
+            vec![Inclusion::new("b", glass, one_size(0.23e-6), fraction).with_packing(packing)],
+        )
+        .unwrap()
     };
     let few = [Packing::PercusYevick, Packing::Independent].map(|p| beads(1e-5, p).optics_at(GREEN, 1e-4).unwrap());
     close(few[0].sigma_s, few[1].sigma_s, 2e-4);
@@ -169,7 +171,11 @@ fn packed_spheres_interfere() {
     close(dense.asymmetry, sums[1] / sums[0], 1e-4);
     close(packed.phase_at(GREEN, 1e-4).unwrap().asymmetry(), dense.asymmetry, 1e-3);
     close(packed.legendre_moments_at(GREEN, 3, 1e-4).unwrap()[1], dense.asymmetry, 1e-6);
-    close(packed.phase_at(GREEN, 1e-4).unwrap().value(-0.5), p.value(-0.5) * fluid.structure_factor(4.0 * PI * 1.33 / GREEN * 0.75f64.sqrt() * 0.46e-6) / sums[0], 1e-3);
+    close(
+        packed.phase_at(GREEN, 1e-4).unwrap().value(-0.5),
+        p.value(-0.5) * fluid.structure_factor(4.0 * PI * 1.33 / GREEN * 0.75f64.sqrt() * 0.46e-6) / sums[0],
+        1e-3,
+    );
 }
 
 /// In the limit of small spheres nothing is left of the light but fluctuations of their number: `S(0)`.

@@ -137,14 +137,15 @@ fn read_inclusion(
         if spec.coat.is_empty() {
             return Err(place.error(sized_by.span(), "only coated particles are `sized_by` their core or outside"));
         }
-        inclusion.sized_by =
-            word(place, sized_by, "size", &[("core", SizedBy::Core), ("outside", SizedBy::Outside)])?;
+        inclusion.sized_by = word(place, sized_by, "size", &[("core", SizedBy::Core), ("outside", SizedBy::Outside)])?;
     }
     if let Some(packing) = &spec.packing {
         let known = [("independent", Packing::Independent), ("percus-yevick", Packing::PercusYevick)];
         inclusion.packing = word(place, packing, "packing", &known)?;
     }
-    if let (Some(shape), Form::Ellipsoid | Form::Cylinder | Form::HexagonalPrism) = (&spec.shape, inclusion.shape.form()) {
+    if let (Some(shape), Form::Ellipsoid | Form::Cylinder | Form::HexagonalPrism) =
+        (&spec.shape, inclusion.shape.form())
+    {
         if !spec.coat.is_empty() {
             return Err(place.error(shape.span(), "only spheres can have coats"));
         }
@@ -156,10 +157,7 @@ fn read_inclusion(
 }
 
 /// How much, and the density in kg/m^3 if it is said.
-fn read_amount(
-    place: Place<'_>,
-    entry: &Spanned<InclusionSpec>,
-) -> Result<(Amount, Option<f64>), Box<TextError>> {
+fn read_amount(place: Place<'_>, entry: &Spanned<InclusionSpec>) -> Result<(Amount, Option<f64>), Box<TextError>> {
     let spec = entry.get_ref();
     let quantity = |text: &Spanned<String>, parse: fn(&str) -> Result<f64, QuantityError>| {
         parse(&place.text(text)?).map_err(|e| place.error(text.span(), e))
@@ -220,11 +218,8 @@ fn read_shape(place: Place<'_>, spec: &Spanned<ShapeSpec>) -> Result<Shape, Box<
     };
     let shape = Shape::new(form, aspect).map_err(|e| place.error(spec.span(), e))?;
     let Some(equivalent) = equivalent else { return Ok(shape) };
-    let known = [
-        ("volume-to-area", Equivalence::VolumeToArea),
-        ("volume", Equivalence::Volume),
-        ("area", Equivalence::Area),
-    ];
+    let known =
+        [("volume-to-area", Equivalence::VolumeToArea), ("volume", Equivalence::Volume), ("area", Equivalence::Area)];
     Ok(shape.with_equivalence(word(place, equivalent, "equivalent sphere", &known)?))
 }
 
@@ -278,7 +273,8 @@ mod tests {
         Recipe::parse("my", "my.toml", &text).unwrap_err().to_string()
     }
 
-    const BEAD: &str = "refractive_index = \"1.59\"\nsize_distribution = { kind = \"monodisperse\", radius = \"0.5 um\" }\n";
+    const BEAD: &str =
+        "refractive_index = \"1.59\"\nsize_distribution = { kind = \"monodisperse\", radius = \"0.5 um\" }\n";
 
     #[test]
     fn amounts_come_to_volume_fractions() {

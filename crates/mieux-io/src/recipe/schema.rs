@@ -120,9 +120,10 @@ impl Document {
         let spec = host.get_ref();
         let index = spec.refractive_index.as_ref();
         let host = read_substance(place, host.span(), spec.substance.as_ref(), index, temperature)?;
-        let density = spec.density.as_ref().map(|text| {
-            parse_mass_density(&place.text(text)?).map_err(|e| place.error(text.span(), e))
-        });
+        let density = spec
+            .density
+            .as_ref()
+            .map(|text| parse_mass_density(&place.text(text)?).map_err(|e| place.error(text.span(), e)));
         let inclusions = read_inclusions(place, &self.inclusion, temperature, density.transpose()?)?;
         let span = self.inclusion.first().map_or(0..0, Spanned::span);
         Medium::new(host, inclusions).map_err(|e| source.error(span, e))

@@ -23,7 +23,8 @@ pub(crate) enum SizeTableError {
 
 /// Reads a file, whose densities or counts have the given weighting.
 pub(crate) fn read(path: &Path, weighting: Weighting) -> Result<TabulatedSizes, SizeTableError> {
-    let text = read_text(path).map_err(|e| SizeTableError::Read(e.to_string().replace("recipe", "size distribution")))?;
+    let text =
+        read_text(path).map_err(|e| SizeTableError::Read(e.to_string().replace("recipe", "size distribution")))?;
     parse(&path.to_string_lossy(), &text, weighting).map_err(SizeTableError::Text)
 }
 

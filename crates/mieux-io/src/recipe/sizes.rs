@@ -339,7 +339,8 @@ mod tests {
         std::fs::write(folder.path().join("beads.csv"), "radius_um,density\n1,1\n3,many\n").unwrap();
         let error = parse(&file.to_string_lossy(), sizes).unwrap_err();
         assert!(error.contains("beads.csv, line 3, column 3: `many` is no number"), "{error}");
-        let error = parse(&file.to_string_lossy(), "kind = 'table', weighting = 'number', file = 'no.csv'").unwrap_err();
+        let error =
+            parse(&file.to_string_lossy(), "kind = 'table', weighting = 'number', file = 'no.csv'").unwrap_err();
         assert!(error.contains("line 6") && error.contains("no.csv"), "{error}");
     }
 

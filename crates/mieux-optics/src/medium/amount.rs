@@ -193,7 +193,10 @@ mod tests {
             one(portion(tenth, None), Some(1e3)),
             "a mass of beads can only be a volume with the density of its particles"
         );
-        assert_eq!(one(portion(tenth, Some(1e3)), None), "a mass of beads can only be a volume with the density of the host");
+        assert_eq!(
+            one(portion(tenth, Some(1e3)), None),
+            "a mass of beads can only be a volume with the density of the host"
+        );
         let uncounted = Portion { mean_volume: None, ..portion(Amount::NumberDensity(1e9), None) };
         assert!(one(uncounted, None).contains("mean volume"));
         assert!(one(portion(Amount::VolumeFraction(1.5), None), None).contains("1.5"));

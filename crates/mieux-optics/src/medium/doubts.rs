@@ -108,7 +108,9 @@ mod tests {
         assert_eq!(count(5e-9, 0.0061), 1);
         assert_eq!(count(1e-3, 0.2), 0);
         let doubt = &beads(0.2e-6, 0.2, Packing::Independent)[0];
-        assert!(doubt.to_string().starts_with("beads may not scatter independently: 20.0 % of the volume, with 219 nm"));
+        assert!(
+            doubt.to_string().starts_with("beads may not scatter independently: 20.0 % of the volume, with 219 nm")
+        );
     }
 
     #[test]

@@ -39,7 +39,8 @@ mod tests {
     fn few_particles_make_one_index() {
         let host = Complex64::new(1.33, 1e-6);
         let dilute = Complex64::new(1e-7, 3e-8);
-        let [a, b] = [EffectiveIndex::LorentzLorenz, EffectiveIndex::Dilute].map(|form| form.index(host, dilute) - host);
+        let [a, b] =
+            [EffectiveIndex::LorentzLorenz, EffectiveIndex::Dilute].map(|form| form.index(host, dilute) - host);
         assert!((a - b).norm() < 1e-13 && (b - dilute).norm() < 1e-15);
     }
 }

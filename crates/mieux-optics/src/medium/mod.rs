@@ -9,7 +9,6 @@ mod inclusion;
 mod packing;
 mod phase;
 mod scatterer;
-mod smoothing;
 
 use num_complex::Complex64;
 
@@ -52,7 +51,9 @@ pub enum MediumError {
         total: f64,
     },
     /// Spheres of the same area as the particles that take up more room than there is.
-    #[error("spheres of the same area as the particles would take up {total} of the volume, more than 1; volume-to-area spheres take up no more than the particles")]
+    #[error(
+        "spheres of the same area as the particles would take up {total} of the volume, more than 1; volume-to-area spheres take up no more than the particles"
+    )]
     OverfullSpheres {
         /// The share of the volume.
         total: f64,
@@ -66,7 +67,9 @@ pub enum MediumError {
         what: &'static str,
     },
     /// Spheres too dense for a structure factor of a fluid.
-    #[error("volume fraction {value} of {inclusion} is above 0.5, where hard spheres are no fluid any more and Percus and Yevick's structure factor does not hold")]
+    #[error(
+        "volume fraction {value} of {inclusion} is above 0.5, where hard spheres are no fluid any more and Percus and Yevick's structure factor does not hold"
+    )]
     Packing {
         /// Name of the inclusion.
         inclusion: String,
@@ -151,9 +154,10 @@ impl Medium {
     /// The wavelengths (m) for which every substance has data; `None` when every wavelength will do, an empty range
     /// (first above second) when there is none.
     pub fn wavelength_range(&self) -> Option<(f64, f64)> {
-        let particles = self.inclusions.iter().flat_map(|i| {
-            std::iter::once(&i.substance).chain(i.coats.iter().map(Coat::substance))
-        });
+        let particles = self
+            .inclusions
+            .iter()
+            .flat_map(|i| std::iter::once(&i.substance).chain(i.coats.iter().map(Coat::substance)));
         let substances = std::iter::once(&self.host).chain(particles);
         substances.filter_map(Substance::wavelength_range).reduce(|a, b| (a.0.max(b.0), a.1.min(b.1)))
     }

@@ -52,7 +52,8 @@ mod tests {
             assert!((mix.parts()[1].0 - expected).abs() < 1e-12, "{weighting}");
         }
         let mix = MixedSizes::new(Weighting::Number, vec![(3.0, one.clone()), (1.0, two)]).unwrap();
-        let nested = MixedSizes::new(Weighting::Volume, vec![(1.0, SizeDistribution::Mixture(mix)), (0.0, one)]).unwrap();
+        let nested =
+            MixedSizes::new(Weighting::Volume, vec![(1.0, SizeDistribution::Mixture(mix)), (0.0, one)]).unwrap();
         let mean = SizeDistribution::Mixture(nested).mean_radius(1.0, 0.0).unwrap();
         assert!((mean / 1.25e-6 - 1.0).abs() < 1e-12);
     }

@@ -40,7 +40,11 @@ impl ModifiedGamma {
         check_limits(minimum_m, maximum_m)?;
         let cut = Self { minimum_m, maximum_m, ..self };
         let [from, to] = cut.range(3.0, 6.0);
-        if from.max(minimum_m.ln()) < to.min(maximum_m.ln()) { Ok(cut) } else { Err(ParticleError::Empty { minimum_m, maximum_m }) }
+        if from.max(minimum_m.ln()) < to.min(maximum_m.ln()) {
+            Ok(cut)
+        } else {
+            Err(ParticleError::Empty { minimum_m, maximum_m })
+        }
     }
 
     /// Radius of which there are most, m.

@@ -100,8 +100,11 @@ mod tests {
     #[test]
     fn volume_constants_of_the_papers_follow() {
         use std::f64::consts::PI;
-        let cases =
-            [(3.4, 2f64.powf(-3.4), [0.01, 100.0], 10.440), (3.6, 2f64.powf(-3.6), [0.225, 100.0], 4.9735), (1.24, 1.0, [0.1, 2.0], 10.278)];
+        let cases = [
+            (3.4, 2f64.powf(-3.4), [0.01, 100.0], 10.440),
+            (3.6, 2f64.powf(-3.6), [0.225, 100.0], 4.9735),
+            (1.24, 1.0, [0.1, 2.0], 10.278),
+        ];
         for (exponent, factor, limits, printed) in cases {
             // Number per volume is 1 over the mean volume; the law's own constant is that over its number integral.
             let law = PowerLaw::new(exponent, limits[0], limits[1]).unwrap();

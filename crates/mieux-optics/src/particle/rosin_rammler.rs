@@ -51,7 +51,10 @@ impl RosinRammler {
     /// From where `y^(slope / spread) exp(-y)`, `y = (r / scale)^spread`, has risen, to where it has fallen.
     fn range(&self, slope: f64, most: f64) -> [f64; 2] {
         let powers = (most - 3.0).max(0.0) / self.spread;
-        [self.scale_m.ln() - 45.0 / slope, self.scale_m.ln() + (50.0 + powers + 12.0 * powers.sqrt()).ln() / self.spread]
+        [
+            self.scale_m.ln() - 45.0 / slope,
+            self.scale_m.ln() + (50.0 + powers + 12.0 * powers.sqrt()).ln() / self.spread,
+        ]
     }
 }
 

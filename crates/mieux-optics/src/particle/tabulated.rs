@@ -37,7 +37,10 @@ impl TabulatedSizes {
             return Err(ParticleError::TableLength { radii: radii_m.len(), values: densities.len(), bins: false });
         }
         let segments = radii_m.windows(2).zip(densities.windows(2));
-        Self::checked(weighting, segments.map(|(r, d)| Segment { radii: [r[0], r[1]], densities: [d[0], d[1]] }).collect())
+        Self::checked(
+            weighting,
+            segments.map(|(r, d)| Segment { radii: [r[0], r[1]], densities: [d[0], d[1]] }).collect(),
+        )
     }
 
     /// From what was counted (particles, surface, volume or intensity, in any unit) in each bin between ascending edges (m),

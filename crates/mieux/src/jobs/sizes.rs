@@ -157,7 +157,8 @@ impl Population {
     fn panel(&self, weighting: Weighting) -> Result<Panel, JobError> {
         let radii = self.radii_m(weighting)?;
         let label = if self.radii { "Radius (µm)" } else { "Length (µm)" };
-        let mut panel = Panel::new(self.name.clone(), label, "Density over ln r").with_scales(Scale::Log, Scale::Linear);
+        let mut panel =
+            Panel::new(self.name.clone(), label, "Density over ln r").with_scales(Scale::Log, Scale::Linear);
         for w in [Weighting::Number, Weighting::Surface, Weighting::Volume] {
             let Ok(densities) = self.sizes.densities(w, &radii) else { continue };
             let points = radii.iter().zip(densities).map(|(r, d)| (r * 1e6, d * r));
@@ -216,7 +217,6 @@ impl SizesReport {
         Ok(files)
     }
 }
-
 
 #[cfg(test)]
 mod tests {

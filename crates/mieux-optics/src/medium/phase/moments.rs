@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::{Medium, MediumError, Member};
-use crate::medium::scatterer::node_count;
 use crate::integrate::gauss_legendre;
+use crate::medium::scatterer::node_count;
 use crate::mie::Directions;
 
 impl Medium {

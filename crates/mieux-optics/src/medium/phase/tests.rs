@@ -1,10 +1,10 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::mie::Sphere;
 use crate::material::milk::Milk;
 use crate::medium::DEFAULT_TOLERANCE;
 use crate::mie::PlaneWave;
+use crate::mie::Sphere;
 use crate::particle::{LogNormal, SizeDistribution, Weighting};
 use crate::phase::{Rayleigh, compare};
 use crate::substance::Substance;
