@@ -13,6 +13,7 @@ use crate::paint::PaintCommand;
 use crate::phase::PhaseArgs;
 use crate::sizes::SizesArgs;
 use crate::slab::SlabArgs;
+use crate::substances::SubstancesArgs;
 
 /// What a material looks like, from what it is made of.
 #[derive(Parser)]
@@ -24,8 +25,10 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 pub enum Command {
-    /// List the materials that are known, with their inputs, ranges and defaults
-    Materials,
+    /// List the materials that are known, or show one with its inputs, ranges and defaults
+    Materials(MaterialsArgs),
+    /// List the substances that are known, or show the refractive index of one over wavelength
+    Substances(SubstancesArgs),
     /// List the scenes that are known
     Scenes,
     /// Compute the optical properties of a material over wavelength
@@ -72,6 +75,15 @@ pub enum Format {
 }
 
 #[derive(Args)]
+pub struct MaterialsArgs {
+    /// A material, or the path of a recipe, to be shown with its inputs and what it is made of
+    pub material: Option<String>,
+    /// Print the recipe itself, to begin one of your own with: `mieux materials fog --recipe > my.toml`
+    #[arg(long, requires = "material")]
+    pub recipe: bool,
+}
+
+#[derive(Args)]
 pub struct OpticsArgs {
     /// A material (see `mieux materials`), or the path of a recipe such as `my.toml`
     pub material: String,
@@ -87,7 +99,7 @@ pub struct OpticsArgs {
     /// Relative tolerance of the integral over particle sizes
     #[arg(long, default_value = "1e-4")]
     pub tolerance: f64,
-    /// Also write tables (csv, json, parquet), plots, phase functions and colours of layers to this folder
+    /// Also write tables (csv, json, parquet, nc), plots, phase functions and colours of layers to this folder
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use mieux::io::TextError;
+use mieux::io::index_file::IndexFileError;
 use mieux::io::paint::PaintFileError;
 use mieux::io::recipe::RecipeError;
 use mieux::io::rxt::RxtError;
@@ -74,12 +75,14 @@ impl Failure {
             JobError::Recipe(RecipeError::Text(text))
             | JobError::SlabFile(SlabFileError::Text(text))
             | JobError::Rxt(RxtError::Text(text))
+            | JobError::IndexFile(IndexFileError::Text(text))
             | JobError::PaintFile(PaintFileError::Text(text)) => Some(text),
             _ => None,
         };
         if let Some(text) = place {
             let label = LabeledSpan::new_with_span(Some("here".into()), text.span.clone());
-            let language = if matches!(*error, JobError::Rxt(_)) { "text" } else { "toml" };
+            let plain = matches!(*error, JobError::Rxt(_) | JobError::IndexFile(_));
+            let language = if plain { "text" } else { "toml" };
             report = Report::new(diagnostic.with_label(label))
                 .with_source_code(NamedSource::new(&text.name, text.text.clone()).with_language(language));
         }

@@ -10,6 +10,7 @@ mod progress;
 mod show;
 mod sizes;
 mod slab;
+mod substances;
 
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -31,8 +32,19 @@ fn main() -> ExitCode {
 
 fn run(cli: Cli) -> Result<ExitCode, Failure> {
     match cli.command {
-        Command::Materials => show::materials()?,
+        Command::Materials(args) => show::materials(&args)?,
         Command::Scenes => show::scenes()?,
+        Command::Substances(args) => {
+            let format = args.format;
+            match args.job() {
+                None => substances::list(format)?,
+                Some(job) => {
+                    if let Report::Substance(report) = run_job(&Job::Substance(job), format == Format::Table)? {
+                        substances::show(&report, format)?;
+                    }
+                }
+            }
+        }
         Command::Completions { shell } => show::completions(shell),
         Command::Optics(args) => {
             let format = args.format;

@@ -1,5 +1,6 @@
 //! What is printed.
 
+use std::collections::BTreeMap;
 use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
 
@@ -9,9 +10,9 @@ use mieux::io::quantity::{format_duration, format_length, format_per_length};
 use mieux::io::recipe::{MATERIALS, Recipe};
 use mieux::io::scene::{SCENES, SceneFile};
 use mieux::io::table::Table;
-use mieux::jobs::{CompareReport, OpticsReport, OpticsSheet, RenderReport};
+use mieux::jobs::{CompareReport, OpticsReport, OpticsSheet, RenderReport, made_of};
 
-use crate::args::{Cli, Format};
+use crate::args::{Cli, Format, MaterialsArgs};
 use crate::failure::Failure;
 
 /// A colour (linear sRGB) as `#rrggbb`, with a patch of it where standard output is a terminal.
@@ -24,24 +25,51 @@ pub fn colour(linear: [f64; 3]) -> String {
     format!("{hex} \x1b[48;2;{r};{g};{b}m      \x1b[0m")
 }
 
-pub fn materials() -> Result<(), Failure> {
+pub fn materials(args: &MaterialsArgs) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
-    for (name, _) in MATERIALS {
-        let recipe = Recipe::find(name)?;
-        writeln!(out, "{name:<16} {}", recipe.about())?;
-        for (input, value) in recipe.inputs() {
-            writeln!(
-                out,
-                "    --set {:<12} {} ({} to {}): {}",
-                input.name,
-                input.shown(*value),
-                input.minimum,
-                input.shown(input.maximum),
-                input.about
-            )?;
+    let Some(name) = &args.material else {
+        for (name, _) in MATERIALS {
+            let recipe = Recipe::find(name)?;
+            writeln!(out, "{name:<20} {}", recipe.about())?;
+            let inputs: Vec<&str> = recipe.inputs().iter().map(|(input, _)| &*input.name).collect();
+            if !inputs.is_empty() {
+                writeln!(out, "{:<20} inputs: {}", "", inputs.join(", "))?;
+            }
         }
+        let more = "`mieux materials NAME` says what the inputs mean. A recipe of your own is a file: `mieux optics my.toml`. Its \
+                    form is in docs/recipes.md; `mieux materials NAME --recipe` prints one to begin with.";
+        writeln!(out, "\n{more}")?;
+        return Ok(());
+    };
+    let recipe = Recipe::find(name)?;
+    if args.recipe {
+        write!(out, "{}", recipe.text())?;
+        return Ok(());
     }
-    writeln!(out, "\nA recipe of your own is a file: `mieux optics my.toml`. Its form is in docs/recipes.md.")?;
+    writeln!(out, "{}\n{}", recipe.title(), recipe.about())?;
+    for (input, value) in recipe.inputs() {
+        writeln!(
+            out,
+            "    --set {:<12} {} ({} to {}): {}",
+            input.name,
+            input.shown(*value),
+            input.minimum,
+            input.shown(input.maximum),
+            input.about
+        )?;
+    }
+    let material = recipe.material(&BTreeMap::new())?;
+    for made in made_of(&material.medium) {
+        writeln!(
+            out,
+            "    {:>10} vol.-%  {}",
+            mieux::io::quantity::significant(100.0 * made.volume_fraction, 4),
+            made.what
+        )?;
+    }
+    if let Some((from, to)) = material.medium.wavelength_range() {
+        writeln!(out, "    known from {} to {}", format_length(from), format_length(to))?;
+    }
     Ok(())
 }
 

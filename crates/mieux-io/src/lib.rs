@@ -6,7 +6,9 @@
 mod cells;
 pub mod checkpoint;
 pub mod image;
+pub mod index_file;
 pub mod measured;
+pub mod netcdf;
 pub mod output;
 pub mod paint;
 pub mod plot;

@@ -5,6 +5,7 @@
 
 mod amount;
 mod angles;
+mod concentration;
 mod format;
 mod index;
 mod thickness;
@@ -17,6 +18,7 @@ use mieux_optics::spectrum::{SpectrumError, WavelengthGrid};
 
 pub use amount::{parse_mass_density, parse_number_density};
 pub use angles::Angles;
+pub use concentration::parse_concentration;
 pub use format::{format_area, format_complex_index, format_duration, format_length, format_per_length, significant};
 pub use index::RefractiveIndex;
 pub use thickness::{OpticalThickness, Thickness};

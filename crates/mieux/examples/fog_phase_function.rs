@@ -15,7 +15,7 @@ use mieux::optics::medium::{Inclusion, Medium};
 use mieux::optics::mie::scatter_sphere;
 use mieux::optics::particle::{LogNormal, SizeDistribution, Weighting};
 use mieux::optics::phase::{HenyeyGreenstein, PhaseFunction, WaterDroplet, compare};
-use mieux::optics::substance::Substance;
+use mieux::optics::substance::{Substance, Water};
 use rayon::prelude::*;
 
 const GREEN: f64 = 550e-9;
@@ -55,7 +55,7 @@ fn diameters(count: u32) -> Vec<f64> {
 }
 
 fn water(wavelength: f64) -> Outcome<Complex64> {
-    Ok(Substance::Water { temperature_c: 20.0, riboflavin_mg_per_100g: 0.0 }.index(wavelength)?)
+    Ok(Substance::Water(Water::ROOM).index(wavelength)?)
 }
 
 /// Mean cosines over the diameter.
@@ -129,7 +129,7 @@ fn distance(diameter: f64) -> Outcome<Distance> {
 }
 
 fn droplets(sizes: SizeDistribution) -> Outcome<PhaseFunction> {
-    let water = Substance::Water { temperature_c: 20.0, riboflavin_mg_per_100g: 0.0 };
+    let water = Substance::Water(Water::ROOM);
     let droplets = Inclusion::new("droplets", water, sizes, 1e-6);
     Ok(Medium::new(Substance::Constant(AIR), vec![droplets])?.phase_at(GREEN, 2e-3)?)
 }

@@ -33,7 +33,7 @@ fn milk_into(folder: &Path) -> BTreeMap<String, String> {
 fn a_folder_holds_every_form_and_the_phase_functions_agree_with_g() {
     let folder = tempfile::tempdir().unwrap();
     let files = milk_into(&folder.path().join("milk"));
-    for name in ["optics.csv", "optics.json", "optics.svg", "phase.csv", "phase.svg", "swatches.svg"] {
+    for name in ["optics.csv", "optics.json", "optics.nc", "optics.svg", "phase.csv", "phase.svg", "swatches.svg"] {
         assert!(files.contains_key(name), "{name}: {:?}", files.keys());
     }
     let rows = |name: &str| -> Vec<Vec<f64>> {

@@ -7,9 +7,10 @@ use mieux_optics::particle::{AspectRatio, Equivalence, Form, Shape};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::schema::{Place, read_substance};
+use super::schema::Place;
 use super::scope::Number;
 use super::sizes::{SizeSpec, size_distribution};
+use super::substance::{Around, SoluteSpec, made};
 use crate::quantity::{Length, QuantityError, parse_mass_density, parse_number_density};
 use crate::text_error::TextError;
 
@@ -19,6 +20,13 @@ pub(super) struct InclusionSpec {
     name: Option<String>,
     substance: Option<Spanned<String>>,
     refractive_index: Option<Spanned<String>>,
+    index_file: Option<Spanned<String>>,
+    index_page: Option<Spanned<String>>,
+    transparent: Option<Spanned<bool>>,
+    temperature: Option<Spanned<Number>>,
+    salinity: Option<Spanned<Number>>,
+    #[serde(default)]
+    solute: Vec<SoluteSpec>,
     volume_fraction: Option<Spanned<Number>>,
     weight_percent: Option<Spanned<Number>>,
     number_density: Option<Spanned<String>>,
@@ -53,6 +61,13 @@ struct AspectSpec {
 struct CoatSpec {
     substance: Option<Spanned<String>>,
     refractive_index: Option<Spanned<String>>,
+    index_file: Option<Spanned<String>>,
+    index_page: Option<Spanned<String>>,
+    transparent: Option<Spanned<bool>>,
+    temperature: Option<Spanned<Number>>,
+    salinity: Option<Spanned<Number>>,
+    #[serde(default)]
+    solute: Vec<SoluteSpec>,
     thickness: Option<Spanned<String>>,
     radius_ratio: Option<Spanned<Number>>,
     volume_share: Option<Spanned<Number>>,
@@ -62,13 +77,13 @@ struct CoatSpec {
 pub(super) fn read_inclusions(
     place: Place<'_>,
     entries: &[Spanned<InclusionSpec>],
-    temperature: f64,
+    around: Around<'_>,
     host_density: Option<f64>,
 ) -> Result<Vec<Inclusion>, Box<TextError>> {
     let mut inclusions = Vec::new();
     let mut amounts = Vec::new();
     for entry in entries {
-        inclusions.push(read_inclusion(place, entry, temperature)?);
+        inclusions.push(read_inclusion(place, entry, around)?);
         amounts.push(read_amount(place, entry)?);
     }
     let portions: Vec<Portion<'_>> = inclusions
@@ -119,11 +134,10 @@ impl InclusionSpec {
 fn read_inclusion(
     place: Place<'_>,
     entry: &Spanned<InclusionSpec>,
-    temperature: f64,
+    around: Around<'_>,
 ) -> Result<Inclusion, Box<TextError>> {
     let spec = entry.get_ref();
-    let index = spec.refractive_index.as_ref();
-    let substance = read_substance(place, entry.span(), spec.substance.as_ref(), index, temperature)?;
+    let substance = made!(entry).read(place, around)?;
     let sizes = size_distribution(place, &spec.size_distribution)?;
     let name = spec.name.clone().unwrap_or_else(|| format!("{} particles", substance.name()));
     let mut inclusion = Inclusion::new(name, substance, sizes, 0.0);
@@ -131,7 +145,7 @@ fn read_inclusion(
         inclusion.shape = read_shape(place, shape)?;
     }
     for coat in &spec.coat {
-        inclusion.coats.push(read_coat(place, coat, temperature)?);
+        inclusion.coats.push(read_coat(place, coat, around)?);
     }
     if let Some(sized_by) = &spec.sized_by {
         if spec.coat.is_empty() {
@@ -223,9 +237,9 @@ fn read_shape(place: Place<'_>, spec: &Spanned<ShapeSpec>) -> Result<Shape, Box<
     Ok(shape.with_equivalence(word(place, equivalent, "equivalent sphere", &known)?))
 }
 
-fn read_coat(place: Place<'_>, entry: &Spanned<CoatSpec>, temperature: f64) -> Result<Coat, Box<TextError>> {
-    let CoatSpec { substance, refractive_index, thickness, radius_ratio, volume_share } = entry.get_ref();
-    let substance = read_substance(place, entry.span(), substance.as_ref(), refractive_index.as_ref(), temperature)?;
+fn read_coat(place: Place<'_>, entry: &Spanned<CoatSpec>, around: Around<'_>) -> Result<Coat, Box<TextError>> {
+    let CoatSpec { thickness, radius_ratio, volume_share, .. } = entry.get_ref();
+    let substance = made!(entry).read(place, around)?;
     let extent = match (thickness, radius_ratio, volume_share) {
         (Some(text), None, None) => {
             let length = Length::parse_positive(&place.text(text)?).map_err(|e| place.error(text.span(), e))?;

@@ -6,6 +6,7 @@ mod schema;
 mod scope;
 mod size_table;
 mod sizes;
+mod substance;
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -143,6 +144,11 @@ impl Recipe {
     /// What it is, in a sentence.
     pub fn about(&self) -> &str {
         self.document.about.as_deref().unwrap_or_default()
+    }
+
+    /// The recipe itself.
+    pub fn text(&self) -> &str {
+        &self.text
     }
 
     /// The inputs, with the values the recipe gives them.
@@ -372,6 +378,74 @@ size_distribution = { kind = "monodisperse", radius = "= (1 + share) / 2 um" }
         for (text, line, part) in cases {
             let message = message(&text);
             assert!(message.contains(&format!("line {line},")) && message.contains(part), "{message}\n{text}");
+        }
+    }
+
+    const BREW: &str = r#"index_db = "base"
+[host]
+substance = "water"
+salinity = 10
+temperature = 5
+solute = [{ name = "riboflavin", concentration = "1.7 mg/L" }]
+[[inclusion]]
+index_file = "mine.yml"
+transparent = true
+volume_fraction = 0.01
+size_distribution = { kind = "monodisperse", radius = "80 nm" }
+[[inclusion]]
+index_page = "SiO2/Malitson"
+transparent = true
+volume_fraction = 0.01
+size_distribution = { kind = "monodisperse", radius = "80 nm" }
+"#;
+
+    /// The recipe beside the files that it names, which go when it is dropped.
+    fn brew(text: &str) -> Result<(tempfile::TempDir, Recipe), RecipeError> {
+        let folder = tempfile::tempdir().unwrap();
+        let data = folder.path().join("base/data/main");
+        std::fs::create_dir_all(&data).unwrap();
+        let silica = "DATA:\n- type: formula 5\n  wavelength_range: 0.3 0.8\n  coefficients: 1.46\n";
+        std::fs::write(folder.path().join("mine.yml"), silica.replace("1.46", "1.5")).unwrap();
+        std::fs::write(folder.path().join("broken.yml"), "DATA:\n- type: tabulated n\n  data: |\n    0.5 x\n").unwrap();
+        std::fs::write(data.join("M.yml"), silica).unwrap();
+        let catalogue =
+            "- SHELF: main\n  content:\n  - BOOK: SiO2\n    content:\n    - PAGE: Malitson\n      data: main/M.yml\n";
+        std::fs::write(folder.path().join("base/catalog-nk.yml"), catalogue).unwrap();
+        let path = folder.path().join("my.toml");
+        std::fs::write(&path, text).unwrap();
+        let recipe = Recipe::find(path.to_str().unwrap())?;
+        Ok((folder, recipe))
+    }
+
+    #[test]
+    fn substances_come_from_files_and_pages_and_have_things_dissolved_in_them() {
+        let (_folder, recipe) = brew(BREW).unwrap();
+        let material = recipe.material(&BTreeMap::new()).unwrap();
+        let medium = &material.medium;
+        let n = |i: usize| medium.inclusions()[i].substance.index(550e-9).unwrap();
+        assert_eq!((n(0).re, n(1).re, n(0).im), (1.5, 1.46, 0.0));
+        assert_eq!(medium.host().describe(), "salt water with 0.0017 kg/m^3 riboflavin");
+        assert!(medium.host().index(450e-9).unwrap().im > 4e-7);
+    }
+
+    #[test]
+    fn mistakes_about_substances_are_pointed_at() {
+        for (text, line, part) in [
+            (BREW.replace("salinity = 10", "salinity = 50"), 4, "salinity 50 g/kg is out of range"),
+            (BREW.replace("temperature = 5", "temperature = 50"), 5, "temperature 50 degC is out of range"),
+            (BREW.replace("\"water\"", "\"casein\""), 5, "`temperature` does not act on casein"),
+            (BREW.replace("riboflavin", "ink"), 6, "no solute called `ink`"),
+            (BREW.replace("1.7 mg/L", "1.7 mg"), 6, "`mg`"),
+            (BREW.replace("mine.yml", "yours.yml"), 8, "cannot be read"),
+            (BREW.replace("mine.yml", "broken.yml"), 8, "line 4, column 5: `x` is not a finite number"),
+            (BREW.replace("Malitson", "Malison"), 13, "no page `SiO2/Malison`"),
+            (BREW.replace("index_db = \"base\"", ""), 13, "say where it is"),
+            (BREW.replace("\"base\"", "\"bass\""), 1, "no refractiveindex.info database"),
+            (BREW.replace("index_page =", "index_file = \"mine.yml\"\nindex_page ="), 12, "give one of"),
+            (BREW.replace("index_file = \"mine.yml\"", "refractive_index = \"1.5\""), 9, "`transparent` belongs"),
+        ] {
+            let message = brew(&text).unwrap_err().to_string();
+            assert!(message.contains(&format!("my.toml, line {line},")) && message.contains(part), "{message}\n{text}");
         }
     }
 }

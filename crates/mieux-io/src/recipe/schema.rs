@@ -7,14 +7,14 @@ use std::ops::Range;
 use mieux_optics::material::Input;
 use mieux_optics::material::milk::Milk;
 use mieux_optics::medium::Medium;
-use mieux_optics::substance::Substance;
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::inclusion::{InclusionSpec, read_inclusions};
 use super::scope::{InputEntry, Number, Scope};
-use crate::quantity::{parse_complex_index, parse_mass_density};
-use crate::text_error::{TextError, did_you_mean, nearest_names};
+use super::substance::{Around, SoluteSpec, made};
+use crate::quantity::parse_mass_density;
+use crate::text_error::TextError;
 
 /// Temperature of a mixture that does not name one, degrees Celsius.
 const ROOM_TEMPERATURE: f64 = 20.0;
@@ -30,6 +30,7 @@ pub(super) struct Document {
     #[serde(default)]
     derived: BTreeMap<Spanned<String>, Spanned<Number>>,
     temperature: Option<Spanned<Number>>,
+    index_db: Option<Spanned<String>>,
     host: Option<Spanned<SubstanceSpec>>,
     #[serde(default)]
     inclusion: Vec<Spanned<InclusionSpec>>,
@@ -40,6 +41,13 @@ pub(super) struct Document {
 struct SubstanceSpec {
     substance: Option<Spanned<String>>,
     refractive_index: Option<Spanned<String>>,
+    index_file: Option<Spanned<String>>,
+    index_page: Option<Spanned<String>>,
+    transparent: Option<Spanned<bool>>,
+    temperature: Option<Spanned<Number>>,
+    salinity: Option<Spanned<Number>>,
+    #[serde(default)]
+    solute: Vec<SoluteSpec>,
     density: Option<Spanned<String>>,
 }
 
@@ -116,15 +124,13 @@ impl Document {
             let help = "for example: model = \"milk\", or [host] with substance = \"water\"";
             return Err(source.error(0..0, message).with_help(help));
         };
-        let temperature = self.temperature(place)?;
-        let spec = host.get_ref();
-        let index = spec.refractive_index.as_ref();
-        let host = read_substance(place, host.span(), spec.substance.as_ref(), index, temperature)?;
-        let density = spec
-            .density
+        let around = Around { temperature: self.temperature(place)?, database: self.index_db.as_ref() };
+        let density = &host.get_ref().density;
+        let host = made!(host).read(place, around)?;
+        let density = density
             .as_ref()
             .map(|text| parse_mass_density(&place.text(text)?).map_err(|e| place.error(text.span(), e)));
-        let inclusions = read_inclusions(place, &self.inclusion, temperature, density.transpose()?)?;
+        let inclusions = read_inclusions(place, &self.inclusion, around, density.transpose()?)?;
         let span = self.inclusion.first().map_or(0..0, Spanned::span);
         Medium::new(host, inclusions).map_err(|e| source.error(span, e))
     }
@@ -132,10 +138,10 @@ impl Document {
     fn temperature(&self, place: Place<'_>) -> Result<f64, Box<TextError>> {
         let Some(number) = &self.temperature else { return Ok(ROOM_TEMPERATURE) };
         let value = place.number(number)?;
-        if (0.0..=30.0).contains(&value) {
+        if (-60.0..=100.0).contains(&value) {
             return Ok(value);
         }
-        Err(place.error(number.span(), format!("temperature {value} degC is out of range: 0 to 30 degC")))
+        Err(place.error(number.span(), format!("temperature {value} degC is out of range: -60 to 100 degC")))
     }
 
     /// Refuses what a recipe with a model cannot have.
@@ -173,27 +179,4 @@ fn model_inputs<'a>(
         *value = input.check(*given).map_err(|e| source.error(entry.span(), e))?;
     }
     Ok(inputs)
-}
-
-pub(super) fn read_substance(
-    place: Place<'_>,
-    whole: Range<usize>,
-    name: Option<&Spanned<String>>,
-    index: Option<&Spanned<String>>,
-    temperature: f64,
-) -> Result<Substance, Box<TextError>> {
-    match (name, index) {
-        (Some(name), None) => Substance::named(name.get_ref(), temperature).ok_or_else(|| {
-            let nearest = nearest_names(name.get_ref(), Substance::NAMES);
-            let message = format!("there is no substance called `{}`", name.get_ref());
-            let help = format!("{} known: {}", did_you_mean(&nearest), Substance::NAMES.join(", "));
-            place.error(name.span(), message).with_help(help.trim_start())
-        }),
-        (None, Some(index)) => {
-            let text = place.text(index)?;
-            let value = parse_complex_index(&text).map_err(|e| place.error(index.span(), e))?;
-            Ok(Substance::Constant(value))
-        }
-        _ => Err(place.error(whole, "give either a `substance` or a `refractive_index`")),
-    }
 }

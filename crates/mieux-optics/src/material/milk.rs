@@ -10,9 +10,9 @@ pub mod published_fit;
 use std::borrow::Cow;
 
 use super::{Input, MaterialError};
-use crate::medium::{Inclusion, Medium};
+use crate::medium::{Inclusion, Medium, MediumError};
 use crate::particle::{LogNormal, SizeDistribution, TransformedLogNormal, Weighting};
-use crate::substance::{NATURAL_RIBOFLAVIN_MG_PER_100G, Substance};
+use crate::substance::{Concentration, Conditions, NATURAL_RIBOFLAVIN_MG_PER_100G, Solute, Substance};
 
 /// Density of milk, g/mL, at 20 C (`walstra1984`).
 const MILK_DENSITY: f64 = 1.03;
@@ -95,7 +95,13 @@ impl Milk {
     /// # Errors
     /// [`MaterialError`] when more fat and protein is asked for than there is room.
     pub fn medium(&self) -> Result<Medium, MaterialError> {
-        let host = Substance::Water { temperature_c: self.temperature, riboflavin_mg_per_100g: self.riboflavin };
+        let water = Substance::named("water", Conditions::at(self.temperature)).map_err(MediumError::from)?;
+        let host = if self.riboflavin > 0.0 {
+            let amount = Concentration::MilligramsPer100g(self.riboflavin);
+            water.with_solutes(vec![Solute::named("riboflavin", amount).map_err(MediumError::from)?])
+        } else {
+            water
+        };
         let mut inclusions = Vec::new();
         if self.fat > 0.0 {
             let fat = Substance::MilkFat { temperature_c: self.temperature };

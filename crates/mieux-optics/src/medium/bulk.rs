@@ -225,7 +225,7 @@ mod tests {
     use super::*;
     use crate::medium::EffectiveIndex;
     use crate::particle::{LogNormal, SizeDistribution, Weighting};
-    use crate::substance::Substance;
+    use crate::substance::{Conditions, Substance};
 
     fn constant(re: f64, im: f64) -> Substance {
         Substance::Constant(Complex64::new(re, im))
@@ -273,7 +273,7 @@ mod tests {
     fn bubbles_reduce_absorption() {
         let host = constant(1.33, 1e-6);
         let pure = absorption_coefficient(Complex64::new(1.33, 1e-6), 550e-9);
-        let b = at_550(host, spheres(5e-9, constant(1.0, 0.0), 0.1));
+        let b = at_550(host.clone(), spheres(5e-9, constant(1.0, 0.0), 0.1));
         assert!(b.sigma_a()[0] > 0.8 * pure && b.sigma_a()[0] < pure, "{} of {pure}", b.sigma_a()[0]);
         let radius = 10e-6;
         let b = at_550(host, spheres(radius, constant(1.0, 0.0), 0.1));
@@ -308,13 +308,13 @@ mod tests {
 
     #[test]
     fn impossible_media_are_refused() {
-        let water = Substance::named("water", 20.0).unwrap();
-        let make = |fraction| Medium::new(water, vec![spheres(1e-6, constant(1.5, 0.0), fraction)]);
+        let water = Substance::named("water", Conditions::default()).unwrap();
+        let make = |fraction| Medium::new(water.clone(), vec![spheres(1e-6, constant(1.5, 0.0), fraction)]);
         assert!(matches!(make(-0.1), Err(MediumError::VolumeFraction { .. })));
         assert!(matches!(make(f64::NAN), Err(MediumError::VolumeFraction { .. })));
         assert!(make(0.0).unwrap().inclusions().is_empty());
         let half = spheres(1e-6, constant(1.5, 0.0), 0.6);
-        assert!(matches!(Medium::new(water, vec![half.clone(), half]), Err(MediumError::Overfull { .. })));
+        assert!(matches!(Medium::new(water.clone(), vec![half.clone(), half]), Err(MediumError::Overfull { .. })));
         let infrared = WavelengthGrid::new(vec![2e-6]).unwrap();
         assert!(matches!(make(0.1).unwrap().bulk_optics(&infrared, 1e-4), Err(MediumError::Substance(_))));
     }

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use mieux_io::checkpoint::CheckpointError;
 use mieux_io::image::ImageError;
+use mieux_io::index_file::IndexFileError;
 use mieux_io::measured::MeasuredError;
+use mieux_io::netcdf::NetCdfError;
 use mieux_io::output::OutputError;
 use mieux_io::paint::PaintFileError;
 use mieux_io::plot::PlotError;
@@ -20,6 +22,7 @@ use mieux_optics::paint::PaintError;
 use mieux_optics::particle::ParticleError;
 use mieux_optics::phase::PhaseError;
 use mieux_optics::spectrum::SpectrumError;
+use mieux_optics::substance::SubstanceError;
 use mieux_optics::transfer::TransferError;
 use mieux_optics::transfer::inverse::InverseError;
 use mieux_render::detector::slab::SlabWalkError;
@@ -40,6 +43,28 @@ pub enum JobError {
         material: String,
         /// What is wrong.
         source: MediumError,
+    },
+    /// A substance that is not known.
+    #[error("there is no substance called `{name}`")]
+    NoSuchSubstance {
+        /// What was asked for.
+        name: String,
+        /// What to do instead.
+        help: String,
+    },
+    /// A substance without the index asked for.
+    #[error(transparent)]
+    Substance(Box<SubstanceError>),
+    /// A file of refractive indices.
+    #[error(transparent)]
+    IndexFile(#[from] IndexFileError),
+    /// A setting that means nothing here.
+    #[error("{name} takes {to}")]
+    Belongs {
+        /// The setting.
+        name: &'static str,
+        /// Where it means something.
+        to: &'static str,
     },
     /// A particle that cannot be computed.
     #[error(transparent)]
@@ -174,6 +199,9 @@ pub enum JobError {
     #[cfg(feature = "parquet")]
     #[error("the table cannot be written as Parquet: {0}")]
     Parquet(#[from] mieux_io::table::ParquetError),
+    /// A data set as NetCDF.
+    #[error(transparent)]
+    NetCdf(#[from] NetCdfError),
     /// The threads could not be started.
     #[error("{threads} threads could not be started: {reason}")]
     Threads {
@@ -200,7 +228,11 @@ impl JobError {
             | Self::Measured(MeasuredError::Text(error))
             | Self::Rxt(RxtError::Text(error))
             | Self::PaintFile(PaintFileError::Text(error)) => error.help.clone(),
-            Self::NoSuchPaint { help, .. } => Some(help.clone()),
+            Self::NoSuchPaint { help, .. } | Self::NoSuchSubstance { help, .. } => Some(help.clone()),
+            Self::IndexFile(error) => error.help(),
+            Self::Substance(error) if matches!(**error, SubstanceError::NoAbsorption { .. }) => {
+                Some("give `--transparent` to take k for 0".into())
+            }
             Self::Paint(PaintError::Relative { .. }) => {
                 Some("fit again with `--reference-hides`, the thickness at which the reference by itself hides".into())
             }

@@ -14,6 +14,7 @@ mod render;
 mod sheet;
 mod sizes;
 mod slab;
+mod substance;
 
 use serde::{Deserialize, Serialize};
 
@@ -29,12 +30,13 @@ pub use paint::{
 };
 pub use phase::{Comparand, Compared, FitKind, Named, Phase, PhaseModel, PhaseReport, PhaseSheet};
 pub use render::{Approximation, Render, RenderReport, Stop};
-pub use sheet::{Made, OpticsSheet};
+pub use sheet::{Made, OpticsSheet, made_of};
 pub use sizes::{Population, Sizes, SizesReport};
 pub use slab::{
     Answer, Backing, Case, LayerColour, Patch, PhaseName, Sample, Slab, SlabCompare, SlabCompareReport,
     SlabCompareSheet, SlabError, SlabLight, SlabReport, SlabSheet, Solver, Trial,
 };
+pub use substance::{SubstanceIndex, SubstanceReport, SubstanceSheet, format_range};
 
 /// Everything `mieux` can be asked to do.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -66,6 +68,8 @@ pub enum Job {
     PaintMatch(PaintMatch),
     /// What measured slabs are made of.
     Invert(Invert),
+    /// The refractive index of a substance.
+    Substance(SubstanceIndex),
 }
 
 /// What a job leaves besides its files.
@@ -97,6 +101,8 @@ pub enum Report {
     PaintMatch(Box<PaintMatchReport>),
     /// Of [`Job::Invert`].
     Invert(Box<InvertReport>),
+    /// Of [`Job::Substance`].
+    Substance(Box<SubstanceReport>),
 }
 
 impl Job {
@@ -119,6 +125,7 @@ impl Job {
             Self::PaintMix(job) => job.run(context).map(|report| Report::PaintMix(Box::new(report))),
             Self::PaintMatch(job) => job.run(context).map(|report| Report::PaintMatch(Box::new(report))),
             Self::Invert(job) => job.run(context).map(|report| Report::Invert(Box::new(report))),
+            Self::Substance(job) => job.run(context).map(|report| Report::Substance(Box::new(report))),
         }
     }
 }

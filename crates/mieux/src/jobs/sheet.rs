@@ -10,7 +10,6 @@ use mieux_io::recipe::Material;
 use mieux_io::table::Table;
 use mieux_optics::medium::{BulkOptics, Medium};
 use mieux_optics::spectrum::WavelengthGrid;
-use mieux_optics::substance::Substance;
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -166,14 +165,10 @@ impl OpticsSheet {
     }
 }
 
-fn made_of(medium: &Medium) -> Vec<Made> {
+/// What a medium is made of, the host first.
+pub fn made_of(medium: &Medium) -> Vec<Made> {
     let occupied: f64 = medium.inclusions().iter().map(|i| i.volume_fraction).sum();
-    let host = match medium.host() {
-        Substance::Water { riboflavin_mg_per_100g, .. } if *riboflavin_mg_per_100g > 0.0 => {
-            format!("water with {riboflavin_mg_per_100g} mg/100g riboflavin")
-        }
-        other => other.name().to_string(),
-    };
+    let host = medium.host().describe();
     let inclusions = medium.inclusions().iter();
     std::iter::once(Made { what: host, volume_fraction: 1.0 - occupied })
         .chain(inclusions.map(|i| Made { what: i.name.clone(), volume_fraction: i.volume_fraction }))

@@ -61,7 +61,7 @@ mod tests {
     use crate::medium::Medium;
     use crate::mie::{PlaneWave, Sphere};
     use crate::phase::PhaseFunction;
-    use crate::substance::Substance;
+    use crate::substance::{Conditions, Substance};
 
     /// One size is one sphere, whose own expansion is another way.
     #[test]
@@ -69,7 +69,7 @@ mod tests {
         let medium = droplet(10e-6);
         let found = medium.legendre_moments_at(GREEN, 400, 1e-4).unwrap();
         let wave = PlaneWave::new(GREEN, Complex64::ONE).unwrap();
-        let water = Substance::named("water", 20.0).unwrap().index(GREEN).unwrap();
+        let water = Substance::named("water", Conditions::default()).unwrap().index(GREEN).unwrap();
         let sphere = Sphere::new(wave, 5e-6, water).unwrap().coefficients().legendre_moments().unwrap();
         assert!(sphere.len() < 401);
         for (degree, moment) in found.iter().enumerate() {

@@ -7,7 +7,7 @@ use crate::mie::PlaneWave;
 use crate::mie::Sphere;
 use crate::particle::{LogNormal, SizeDistribution, Weighting};
 use crate::phase::{Rayleigh, compare};
-use crate::substance::Substance;
+use crate::substance::{Conditions, Substance};
 
 pub(super) const GREEN: f64 = 550e-9;
 pub(super) const AIR: Substance = Substance::Constant(Complex64::new(1.0, 0.0));
@@ -17,7 +17,7 @@ pub(super) fn milk(fat: f64, protein: f64) -> Medium {
 }
 
 fn water() -> Substance {
-    Substance::named("water", 20.0).unwrap()
+    Substance::named("water", Conditions::default()).unwrap()
 }
 
 fn droplets(sizes: SizeDistribution) -> Medium {

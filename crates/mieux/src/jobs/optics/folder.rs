@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
+use mieux_io::netcdf::{NetCdf, Variable};
 use mieux_io::output::OutputDir;
 use mieux_io::plot::{comparison_figure, swatch_figure};
 use mieux_io::quantity::format_length;
@@ -25,6 +26,8 @@ pub(super) fn write(dir: &OutputDir, sheet: &OpticsSheet, look: &Look) -> Result
         let bytes = sheet.table()?.to_parquet()?;
         files.push(dir.write("optics.parquet", |out| out.write_all(&bytes))?);
     }
+    let bytes = netcdf(sheet, look)?.to_bytes()?;
+    files.push(dir.write("optics.nc", |out| out.write_all(&bytes))?);
     let (table, svg) = (phase_table(sheet, look)?, phase_svg(sheet, look)?);
     files.push(dir.write("phase.csv", |out| table.write_csv(out))?);
     files.push(dir.write("phase.svg", |out| out.write_all(svg.as_bytes()))?);
@@ -42,6 +45,52 @@ fn json(sheet: &OpticsSheet, look: &Look) -> Value {
         json.insert("layer_colours".into(), json!(look.colours.iter().map(|c| c.json()).collect::<Vec<_>>()));
     }
     json
+}
+
+/// By the CF conventions as far as these have names for it: SI units, wavelength and scattering angle as coordinates.
+fn netcdf(sheet: &OpticsSheet, look: &Look) -> Result<NetCdf, JobError> {
+    let (b, angles) = (&sheet.bulk, angles());
+    let (wavelengths, directions) = (b.grid().as_slice().to_vec(), angles.len());
+    let spectrum = |name: &str, units: &str, what: &str, values: Vec<f64>| {
+        Variable::new(name, &["wavelength"], values).with("units", units).with("long_name", what)
+    };
+    let phase: Vec<f64> = look
+        .functions
+        .iter()
+        .flat_map(|f| angles.iter().map(|angle| f.value(cosine(*angle))).collect::<Vec<_>>())
+        .collect();
+    let settings =
+        sheet.material.inputs.iter().map(|(input, value)| format!("{} = {}", input.name, input.shown(*value)));
+    let data = NetCdf::new()
+        .with_attribute("Conventions", "CF-1.11")
+        .with_attribute("title", format!("Optical properties of {}", sheet.material.title))
+        .with_attribute("source", format!("mieux {}, Lorenz-Mie theory", env!("CARGO_PKG_VERSION")))
+        .with_attribute("comment", settings.collect::<Vec<_>>().join("; "))
+        .with_dimension("wavelength", wavelengths.len())
+        .with_dimension("scattering_angle", directions)
+        .with_variable(
+            spectrum("wavelength", "m", "wavelength in vacuum", wavelengths)
+                .with("standard_name", "radiation_wavelength"),
+        )?
+        .with_variable(
+            Variable::new("scattering_angle", &["scattering_angle"], angles)
+                .with("units", "degree")
+                .with("standard_name", "scattering_angle")
+                .with("long_name", "angle between the directions before and after, 0 is forward"),
+        )?
+        .with_variable(spectrum("sigma_s", "m-1", "scattering coefficient", b.sigma_s().to_vec()))?
+        .with_variable(spectrum("sigma_a", "m-1", "absorption coefficient", b.sigma_a().to_vec()))?
+        .with_variable(spectrum("sigma_t", "m-1", "extinction coefficient", b.sigma_t()))?
+        .with_variable(spectrum("reduced_scattering", "m-1", "(1 - g) times scattering", b.reduced_scattering()))?
+        .with_variable(spectrum("g", "1", "mean cosine of scattering", b.asymmetry().to_vec()))?
+        .with_variable(spectrum("n_real", "1", "real part of the refractive index", b.n_real().to_vec()))?
+        .with_variable(spectrum("n_imag", "1", "imaginary part of the refractive index", b.n_imag()))?
+        .with_variable(
+            Variable::new("phase_function", &["wavelength", "scattering_angle"], phase)
+                .with("units", "sr-1")
+                .with("long_name", "phase function, integrates to 1 over the sphere"),
+        )?;
+    Ok(data)
 }
 
 /// Angles in degrees: as fine towards forward as the peaks of millimetre particles ask for, single degrees later on.

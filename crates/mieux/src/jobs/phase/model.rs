@@ -10,13 +10,10 @@ use mieux_optics::phase::{
     CornetteShanks, DoubleHenyeyGreenstein, Draine, FournierForand, HenyeyGreenstein, Isotropic, PhaseFunction,
     Rayleigh, WaterDroplet,
 };
-use mieux_optics::substance::Substance;
+use mieux_optics::substance::{Substance, Water};
 use serde::{Deserialize, Serialize};
 
 use super::JobError;
-
-/// Temperature at which water is meant, degrees Celsius.
-const ROOM: f64 = 20.0;
 
 /// A phase function by its name and parameters, or a particle or material to which Lorenz-Mie theory gives one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -170,7 +167,7 @@ fn sphere(
     particle: Option<RefractiveIndex>,
     tolerance: f64,
 ) -> Result<(String, PhaseFunction), JobError> {
-    let water = Substance::Water { temperature_c: ROOM, riboflavin_mg_per_100g: 0.0 };
+    let water = Substance::Water(Water::ROOM);
     let substance = particle.map_or(water, |index| Substance::Constant(index.value()));
     let phase = || -> Result<PhaseFunction, MediumError> {
         let sizes = SizeDistribution::Monodisperse { radius_m: 0.5 * diameter.metres() };
