@@ -36,6 +36,21 @@ pub(crate) struct Integral<const K: usize> {
 /// Integrals, and the panels that were enough for them, ascending.
 pub(crate) type Converged<const K: usize> = (Integral<K>, Vec<[f64; 2]>);
 
+/// Integrands that waver.
+pub(crate) struct Roughness<R: Fn(f64, f64) -> bool, S: Fn() -> bool> {
+    /// Whether the integrand wavers within a panel (given by its ends), so that its error says nothing about its neighbour's.
+    pub rough: R,
+    /// Whether no more work is to be done: the integral is then what it is, with the error it has.
+    pub spent: S,
+}
+
+impl Roughness<fn(f64, f64) -> bool, fn() -> bool> {
+    /// Smooth integrands, and no end to the work but the tolerance.
+    pub fn none() -> Self {
+        Self { rough: |_, _| false, spent: || false }
+    }
+}
+
 struct Panel<const K: usize> {
     from: f64,
     to: f64,
@@ -52,21 +67,19 @@ pub(crate) fn integrate_many<const K: usize, E>(
     floor: impl Fn(&[f64; K]) -> [f64; K],
     f: impl FnMut(&[f64], &mut Vec<[f64; K]>) -> Result<(), E>,
 ) -> Result<Option<Integral<K>>, E> {
-    Ok(integrate_panels(knots, tolerance, floor, |_, _| false, f)?.map(|(integral, _)| integral))
+    Ok(integrate_panels(knots, tolerance, floor, Roughness::none(), f)?.map(|(integral, _)| integral))
 }
 
 /// As [`integrate_many`], with the panels that were enough: [`rule`] on them is a rule for integrands like
 /// these.
 ///
-/// `rough` says of a panel (by its ends) that the integrand wavers many times between its nodes. The values at nodes are then as
-/// good as drawn at random about a smooth mean, the errors of such panels are independent of each other, and twice the
-/// root of the sum of their squares is taken for the error of them all: their plain sum would not fall until every wave
-/// is resolved.
+/// The errors of rough panels are independent of each other, and twice the root of the sum of their squares is taken for the
+/// error of them all: their plain sum would not fall until every wave is resolved.
 pub(crate) fn integrate_panels<const K: usize, E>(
     knots: &[f64],
     tolerance: f64,
     floor: impl Fn(&[f64; K]) -> [f64; K],
-    rough: impl Fn(f64, f64) -> bool,
+    roughness: Roughness<impl Fn(f64, f64) -> bool, impl Fn() -> bool>,
     mut f: impl FnMut(&[f64], &mut Vec<[f64; K]>) -> Result<(), E>,
 ) -> Result<Option<Converged<K>>, E> {
     let mut panels: Vec<Panel<K>> = Vec::with_capacity(2 * knots.len());
@@ -81,14 +94,14 @@ pub(crate) fn integrate_panels<const K: usize, E>(
         panels.extend(found.map(|(&(from, to), values)| Panel {
             from,
             to,
-            rough: rough(from, to),
+            rough: (roughness.rough)(from, to),
             integral: kronrod(to - from, values),
         }));
 
         let total = sum(&panels);
         let floor = floor(&total.value);
         let allowed: [f64; K] = std::array::from_fn(|k| tolerance * (total.value[k].abs() + floor[k]));
-        if (0..K).all(|k| total.error[k] <= allowed[k]) {
+        if (0..K).all(|k| total.error[k] <= allowed[k]) || (roughness.spent)() {
             let mut ends: Vec<[f64; 2]> = panels.iter().map(|panel| [panel.from, panel.to]).collect();
             ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
             return Ok(Some((total, ends)));
@@ -244,32 +257,56 @@ mod tests {
             Ok::<_, Infallible>(())
         };
         let (integral, panels) =
-            integrate_panels(&[-1.0, 0.5, 1.0], 1e-10, |_| [0.0], |_, _| false, fill).unwrap().unwrap();
+            integrate_panels(&[-1.0, 0.5, 1.0], 1e-10, |_| [0.0], Roughness::none(), fill).unwrap().unwrap();
         assert_eq!((panels[0][0], panels[panels.len() - 1][1]), (-1.0, 1.0));
         assert!(panels.windows(2).all(|pair| pair[0][1] == pair[1][0]) && panels.len() > 8);
         let sum: f64 = panels.iter().flat_map(|panel| rule(*panel)).map(|(x, w)| w * peak(x)).sum();
         assert!((sum / integral.value[0] - 1.0).abs() < 1e-13);
     }
 
-    /// Ten thousand waves, far fewer nodes, and the error believed in is no less than the one made.
+    /// Ten thousand waves, far fewer nodes: the error made is within the error believed in, which is two standard deviations, for
+    /// nearly all of many integrands, and never far beyond.
     #[test]
     fn waves_between_nodes_are_averaged() {
-        let wild = |x: f64| x * x + 0.05 * (1e4 * x * x).sin();
-        let exact = 1.0 / 3.0;
         for tolerance in [1e-2, 1e-3, 3e-4] {
-            let mut count = 0;
-            let fill = |nodes: &[f64], values: &mut Vec<[f64; 1]>| {
-                count += nodes.len();
-                values.extend(nodes.iter().map(|x| [wild(*x)]));
-                Ok::<_, Infallible>(())
-            };
-            let rough = |from: f64, to: f64| 1e4 * (to * to - from * from) > 40.0;
-            let (integral, _) = integrate_panels(&[0.0, 1.0], tolerance, |_| [0.0], rough, fill).unwrap().unwrap();
-            let error = (integral.value[0] - exact).abs();
-            assert!(integral.error[0] <= tolerance * integral.value[0]);
-            assert!(error < integral.error[0] + 1e-5, "{tolerance}: {error:e} of {:e}", integral.error[0]);
-            assert!((count as f64) < 60.0 / tolerance, "{tolerance}: {count}");
+            let mut beyond = 0;
+            for i in 0..20 {
+                let frequency = 1e4 * (1.0 + 0.137 * f64::from(i));
+                let mut count = 0;
+                let fill = |nodes: &[f64], values: &mut Vec<[f64; 1]>| {
+                    count += nodes.len();
+                    values.extend(nodes.iter().map(|x| [x * x + 0.05 * (frequency * x * x).sin()]));
+                    Ok::<_, Infallible>(())
+                };
+                let rough = |from: f64, to: f64| frequency * (to * to - from * from) > 40.0;
+                let roughness = Roughness { rough, spent: || false };
+                let (integral, _) =
+                    integrate_panels(&[0.0, 1.0], tolerance, |_| [0.0], roughness, fill).unwrap().unwrap();
+                // The waves add sqrt(pi/8/frequency)/20 or so.
+                let exact = 1.0 / 3.0 + 0.05 * (std::f64::consts::PI / 8.0 / frequency).sqrt();
+                let (error, believed) = ((integral.value[0] - exact).abs(), integral.error[0]);
+                assert!(believed <= tolerance * integral.value[0]);
+                assert!(error < 2.0 * believed + 1e-5, "{tolerance} {i}: {error:e} of {believed:e}");
+                beyond += u32::from(error > believed + 1e-5);
+                assert!((count as f64) < 60.0 / tolerance, "{tolerance}: {count}");
+            }
+            assert!(beyond <= 3, "{tolerance}: {beyond} of 20");
         }
+    }
+
+    #[test]
+    fn no_more_work_is_done_than_asked_for() {
+        let wild = |x: f64| x * x + 0.05 * (1e6 * x * x).sin();
+        let rounds = std::cell::Cell::new(0);
+        let fill = |nodes: &[f64], values: &mut Vec<[f64; 1]>| {
+            rounds.set(rounds.get() + 1);
+            values.extend(nodes.iter().map(|x| [wild(*x)]));
+            Ok::<_, Infallible>(())
+        };
+        let roughness = Roughness { rough: |_, _| true, spent: || rounds.get() == 3 };
+        let (integral, _) = integrate_panels(&[0.0, 1.0], 1e-9, |_| [0.0], roughness, fill).unwrap().unwrap();
+        assert!(integral.error[0] > 1e-9 && rounds.get() == 3);
+        assert!((integral.value[0] - 1.0 / 3.0).abs() < 2.0 * integral.error[0]);
     }
 
     #[test]

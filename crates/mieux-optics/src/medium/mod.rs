@@ -9,7 +9,6 @@ mod inclusion;
 mod packing;
 mod phase;
 mod scatterer;
-mod smoothing;
 
 use num_complex::Complex64;
 

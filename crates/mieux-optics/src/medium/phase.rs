@@ -161,7 +161,7 @@ fn sample(
             Spread::Smooth(sizes) => {
                 // Absorption and refraction have no part in this.
                 let floor = |_: &[f64; 6]| [0.0, f64::INFINITY, 0.0, f64::INFINITY, 0.0, 0.0];
-                let (_, panels) = scatterer.integrate(sizes, tolerance, floor)?;
+                let (_, panels) = scatterer.integrate(sizes, tolerance, false, floor)?;
                 let size = |u: f64| scatterer.size_parameter(sizes.measure(u).0);
                 let panels = panels.into_iter().flat_map(|[from, to]| {
                     let parts = ((size(to) - size(from)).abs() / WIDEST_PANEL).ceil().clamp(1.0, 1e4) as u32;

@@ -1,14 +1,14 @@
 //! Cross sections of the particles of one inclusion, over sizes.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
 use super::packing::HardSpheres;
-use super::smoothing::{Map, Smoothing};
 use super::{Inclusion, MediumError, Packing, SizedBy};
-use crate::integrate::{Converged, Integral, gauss_legendre, integrate_panels};
+use crate::integrate::{Converged, Roughness, gauss_legendre, integrate_panels};
 use crate::mie::{
     Coefficients, Directions, Layer, LayeredSphere, MieError, PlaneWave, Sphere, SphereScattering,
     scatter_layered_spheres, scatter_spheres,
@@ -25,6 +25,10 @@ const HOLLOW: f64 = 0.1;
 /// Resonances of a sphere follow each other at about this distance in its size parameter: what a rule makes of one panel that
 /// wide or wider says nothing about its neighbour.
 const ROUGH: f64 = 1.0;
+
+/// Orders of the series of all spheres together, of one inclusion at one wavelength, after which averages over resonances are
+/// not made any better: some tenths of a second.
+const MOST_ORDERS: f64 = 2e7;
 
 /// A sphere that stands for particles, or for a part of one.
 #[derive(Clone)]
@@ -211,165 +215,40 @@ impl<'a> Scatterer<'a> {
 
     /// Integrates scattering, absorption, reduced scattering, and `Im S(0)/k^2`, over all sizes; fifth the volume of the particles,
     /// sixth that of spheres of their sizes. Also returns the panels that were enough.
+    ///
+    /// With `averaged`, resonances of large spheres are averaged over rather than resolved, and the work is bounded: beyond it
+    /// the integral is what it is, with the error it has.
     pub fn integrate(
         &mut self,
         sizes: &dyn Smooth,
         tolerance: f64,
+        averaged: bool,
         floor: impl Fn(&[f64; 6]) -> [f64; 6],
     ) -> Result<Converged<6>, MediumError> {
         // Every distribution was checked for its volume.
         let knots = sizes.knots(3.0, 6.0).unwrap_or_default();
-        let map = self.map(sizes);
-        let rough = |from: f64, to: f64| (map.x(to) - map.x(from)).abs() > ROUGH;
-        integrate_panels(&knots, tolerance, floor, rough, |nodes, values| self.values(sizes, nodes, |_| 1.0, values))?
-            .ok_or_else(|| self.not_converged(tolerance))
-    }
-
-    /// [`Self::integrate`] with resonances and fringes of large spheres smoothed out: the integrand is averaged over a few of
-    /// their periods in size, which leaves its integral as it is.
-    pub fn integrate_smoothed(
-        &mut self,
-        sizes: &dyn Smooth,
-        tolerance: f64,
-        floor: impl Fn(&[f64; 6]) -> [f64; 6],
-    ) -> Result<Integral<6>, MediumError> {
-        let knots = sizes.knots(3.0, 6.0).unwrap_or_default();
-        let map = self.map(sizes);
-        let Some(smoothing) = self.smoothing([map.x(knots[0]), map.x(knots[knots.len() - 1])]) else {
-            return Ok(self.integrate(sizes, tolerance, floor)?.0);
-        };
-        let whole = [knots[0], knots[knots.len() - 1]];
-        let half = 0.5 * smoothing.width;
-        let [from, to] = [smoothing.range[0] - half, smoothing.range[1] + half].map(|x| map.u(x, whole));
-        let panels = (2.0 * (to - from)).ceil().max(1.0);
-        let even: Vec<f64> = (0..=panels as usize).map(|i| from + (to - from) * i as f64 / panels).collect();
-        let rough = |from: f64, to: f64| (map.x(to) - map.x(from)).abs() > smoothing.width;
-        let not_converged = self.not_converged(tolerance);
-        let mut total = integrate_panels(&even, tolerance, &floor, rough, |nodes, values| {
-            self.smoothed(sizes, &map, &smoothing, nodes, values)
-        })?
-        .ok_or(not_converged)?
-        .0;
-        // What is left at either end.
-        let rough = |from: f64, to: f64| (map.x(to) - map.x(from)).abs() > ROUGH;
-        let [low, high] = smoothing.inner().map(|x| map.u(x, whole));
-        let ends = [
-            knots.iter().copied().filter(|u| *u < low).chain([low]).collect::<Vec<_>>(),
-            std::iter::once(high).chain(knots.iter().copied().filter(|u| *u > high)).collect(),
-        ];
-        for end in ends {
-            let known = total.value;
-            let floor = |so_far: &[f64; 6]| {
-                let all: [f64; 6] = std::array::from_fn(|k| known[k] + so_far[k]);
-                let floor = floor(&all);
-                std::array::from_fn(|k| floor[k] + known[k].abs())
-            };
-            let rest = |u: f64| 1.0 - smoothing.share(map.x(u));
-            let found = integrate_panels(&end, tolerance, floor, rough, |nodes, values| {
-                self.values(sizes, nodes, rest, values)
-            })?;
-            let found = found.ok_or_else(|| self.not_converged(tolerance))?.0;
-            (0..6).for_each(|k| {
-                total.value[k] += found.value[k];
-                total.error[k] += found.error[k];
-            });
-        }
-        Ok(total)
-    }
-
-    /// What is integrated, at nodes, times a weight.
-    fn values(
-        &mut self,
-        sizes: &dyn Smooth,
-        nodes: &[f64],
-        weight: impl Fn(f64) -> f64,
-        values: &mut Vec<[f64; 6]>,
-    ) -> Result<(), MediumError> {
-        let measures: Vec<(f64, f64)> = nodes.iter().map(|u| sizes.measure(*u)).collect();
-        let radii: Vec<f64> = measures.iter().map(|(size, _)| *size).collect();
-        let found = self.per_volume(&radii, true)?;
-        values.extend(found.iter().zip(measures).zip(nodes).map(|((v, (size, sphere)), u)| {
-            let sphere = sphere * weight(*u);
-            let m = sphere * self.inclusion.bulk(size);
-            [v.scattering * m, v.absorption * m, v.reduced * m, v.shift * m, m, sphere]
-        }));
-        Ok(())
-    }
-
-    /// The smoothed part of what is integrated, at nodes.
-    fn smoothed(
-        &mut self,
-        sizes: &dyn Smooth,
-        map: &Map<'_>,
-        smoothing: &Smoothing,
-        nodes: &[f64],
-        values: &mut Vec<[f64; 6]>,
-    ) -> Result<(), MediumError> {
-        let (mut around, mut weights, mut counts) = (Vec::new(), Vec::new(), Vec::with_capacity(nodes.len()));
-        for &u in nodes {
-            let (x, slope) = (map.x(u), map.slope(u));
-            let before = around.len();
-            for (shift, weight) in smoothing.kernel() {
-                let share = smoothing.share(x + shift);
-                if share > 0.0 {
-                    let v = map.near(x + shift, u + shift / slope);
-                    around.push(v);
-                    // Per size parameter, or what is moved would be stretched.
-                    weights.push(weight * share * slope / map.slope(v));
-                }
-            }
-            counts.push(around.len() - before);
-        }
-        let mut found = Vec::with_capacity(around.len());
-        self.values(sizes, &around, |_| 1.0, &mut found)?;
-        let mut weighted = found.iter().zip(&weights);
-        for count in counts {
-            let mut sum = [0.0; 6];
-            for (found, weight) in weighted.by_ref().take(count) {
-                (0..6).for_each(|k| sum[k] += weight * found[k]);
-            }
-            values.push(sum);
-        }
-        Ok(())
-    }
-
-    fn map<'m>(&self, sizes: &'m dyn Smooth) -> Map<'m>
-    where
-        'a: 'm,
-    {
+        let inclusion = self.inclusion;
         let wave = TAU / self.wave.wavelength() * self.wave.host().norm();
-        Map { inclusion: self.inclusion, sizes, wave }
-    }
-
-    /// How to smooth over a range of size parameters; `None` where that does not pay.
-    fn smoothing(&self, [first, last]: [f64; 2]) -> Option<Smoothing> {
-        if !self.inclusion.coats.is_empty() || self.fluid.is_some() || first >= last {
-            return None;
-        }
-        let m = (self.core / self.wave.host()).re;
-        let (width, steps) = if m > 1.0 {
-            // Resonances follow each other at this distance (section 11.3 of `bohren1983`, from `chylek1976`).
-            let root = (m * m - 1.0).sqrt();
-            (4.0 * root.atan() / root, 24)
-        } else if m < 1.0 {
-            // Light through the middle against light past the edge.
-            (3.0 * PI / (1.0 - m), 16)
-        } else {
-            return None;
-        };
-        // What is moved by half a width stays within the sizes there are.
-        let range = [(first + 0.5 * width).max(40.0 * width), last - 0.5 * width];
-        let smoothing = Smoothing { range, width, steps };
-        let [low, high] = smoothing.inner();
-        (low < high).then_some(smoothing)
-    }
-
-    fn not_converged(&self, tolerance: f64) -> MediumError {
-        MediumError::NotConverged {
-            inclusion: self.inclusion.name.clone(),
+        let x = |u: f64| wave * inclusion.shape.equivalent_radius(inclusion.outer_radius(sizes.measure(u).0));
+        let rough = |from: f64, to: f64| averaged && (x(to) - x(from)).abs() > ROUGH;
+        let orders = Cell::new(0.0);
+        let spent = || averaged && orders.get() > MOST_ORDERS;
+        integrate_panels(&knots, tolerance, floor, Roughness { rough, spent }, |nodes, values| {
+            let measures: Vec<(f64, f64)> = nodes.iter().map(|u| sizes.measure(*u)).collect();
+            let radii: Vec<f64> = measures.iter().map(|(size, _)| *size).collect();
+            let found = self.per_volume(&radii, true)?;
+            orders.set(orders.get() + nodes.iter().map(|u| x(*u)).sum::<f64>());
+            values.extend(found.iter().zip(measures).map(|(v, (size, sphere))| {
+                let m = sphere * inclusion.bulk(size);
+                [v.scattering * m, v.absorption * m, v.reduced * m, v.shift * m, m, sphere]
+            }));
+            Ok::<_, MediumError>(())
+        })?
+        .ok_or_else(|| MediumError::NotConverged {
+            inclusion: inclusion.name.clone(),
             tolerance,
             wavelength_m: self.wave.wavelength(),
-        }
+        })
     }
 }
 
