@@ -5,6 +5,7 @@
 
 pub mod checkpoint;
 pub mod image;
+pub mod netcdf;
 pub mod output;
 pub mod paint;
 pub mod plot;
