@@ -4,6 +4,7 @@
 //! offending value and say what would do; every file is written under another name and renamed when it is whole.
 
 pub mod checkpoint;
+pub mod export;
 pub mod image;
 pub mod netcdf;
 pub mod output;

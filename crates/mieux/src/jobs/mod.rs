@@ -4,6 +4,7 @@
 
 mod error;
 mod event;
+mod export;
 mod invert;
 mod mie;
 mod optics;
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 pub use error::JobError;
 pub use event::{Context, Event, Stage};
+pub use export::{Export, ExportReport, ExportSheet};
 pub use invert::{Invert, InvertReport, InvertSheet, Inverted, Slabs};
 pub use mie::{Coat, Definition, Directional, Mie, MieBatch, MieBatchReport, MieReport, MieSheet, Particle};
 pub use optics::{Optics, OpticsReport};
@@ -58,6 +60,8 @@ pub enum Job {
     PaintMatch(PaintMatch),
     /// What measured slabs are made of.
     Invert(Invert),
+    /// A material for another renderer.
+    Export(Export),
 }
 
 /// What a job leaves besides its files.
@@ -85,6 +89,8 @@ pub enum Report {
     PaintMatch(Box<PaintMatchReport>),
     /// Of [`Job::Invert`].
     Invert(Box<InvertReport>),
+    /// Of [`Job::Export`].
+    Export(Box<ExportReport>),
 }
 
 impl Job {
@@ -105,6 +111,7 @@ impl Job {
             Self::PaintMix(job) => job.run(context).map(|report| Report::PaintMix(Box::new(report))),
             Self::PaintMatch(job) => job.run(context).map(|report| Report::PaintMatch(Box::new(report))),
             Self::Invert(job) => job.run(context).map(|report| Report::Invert(Box::new(report))),
+            Self::Export(job) => job.run(context).map(|report| Report::Export(Box::new(report))),
         }
     }
 }
