@@ -97,7 +97,7 @@ impl Variable {
         Self { name, dimensions, attributes: Vec::new(), values }
     }
 
-    /// Adds a remark: `units`, `long_name`, `standard_name` and the like, by the CF conventions (`cf2025`).
+    /// Adds a remark: `units`, `long_name`, `standard_name` and the like, by the CF conventions (`cf2022`).
     pub fn with(mut self, name: impl Into<String>, value: impl Into<Attribute>) -> Self {
         self.attributes.push((name.into(), value.into()));
         self

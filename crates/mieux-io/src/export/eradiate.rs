@@ -145,7 +145,8 @@ mod tests {
     #[test]
     fn everything_is_read_back() {
         let mut subject = emulsion();
-        let functions = subject.asymmetry.iter().map(|g| lobe(*g)).collect();
+        let functions: Vec<PhaseFunction> = subject.asymmetry.iter().map(|g| lobe(*g)).collect();
+        subject.asymmetry = functions.iter().map(PhaseFunction::asymmetry).collect();
         subject.phases = Phases::All(SpectralPhase::new(subject.grid.clone(), functions).unwrap());
         let written = write(Format::Eradiate, &subject).unwrap();
         let bytes = written.files[0].1.clone();

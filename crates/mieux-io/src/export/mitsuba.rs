@@ -253,7 +253,7 @@ mod tests {
         let at = &text[text.find("blendphase").unwrap()..];
         let (weight, g) =
             (numbers_after(at, "\"weight\" value=")[0], |from: &str| numbers_after(from, "\"g\" value=")[0]);
-        let second = &at[at.find("name=\"g\"").unwrap() + 5..];
+        let second = &at[at.find("name=\"g\"").unwrap() + 8..];
         let mean = (1.0 - weight) * g(at) + weight * g(second);
         let Phases::One { function, .. } = &subject.phases else { panic!("one") };
         assert!(((mean - function.asymmetry()) / (1.0 - function.asymmetry())).abs() < 1e-3);

@@ -47,11 +47,11 @@ pub fn text_of(written: &Written) -> String {
     String::from_utf8(written.files[0].1.clone()).unwrap()
 }
 
-/// The numbers in quotes after the first `key`, separated by commas.
+/// The numbers in quotes after the first `key`, separated by commas, in single precision, in which renderers read them.
 pub fn numbers_after(text: &str, key: &str) -> Vec<f64> {
     let at = text.find(key).unwrap_or_else(|| panic!("no {key}")) + key.len();
     let inside = text[at..].trim_start_matches('"').split('"').next().unwrap();
-    inside.split(',').map(|number| number.trim().parse().unwrap()).collect()
+    inside.split(',').map(|number| f64::from(number.trim().parse::<f32>().unwrap())).collect()
 }
 
 /// The coefficients that were read are the material's, within the errors that were printed; and what was printed is what was
