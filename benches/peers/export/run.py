@@ -71,8 +71,8 @@ def render_slab(fragment, name, thickness, refracts, samples):
         <bsdf type="diffuse"><spectrum name="reflectance" type="uniform"><float name="value" value="0"/></spectrum></bsdf></shape>
     <sensor type="orthographic">
         <transform name="to_world"><lookat origin="0, 0, {3 * thickness}" target="0, 0, 0" up="0, 1, 0"/></transform>
-        <film type="specfilm"><integer name="width" value="64"/><integer name="height" value="64"/>
-            <spectrum name="band" type="uniform"><float name="value" value="1"/></spectrum>
+        <film type="hdrfilm"><integer name="width" value="64"/><integer name="height" value="64"/>
+            <string name="pixel_format" value="luminance"/>
             <rfilter type="box"/></film>
         <sampler type="independent"><integer name="sample_count" value="{samples}"/></sampler></sensor></scene>"""
     scene = mi.load_string(text)
