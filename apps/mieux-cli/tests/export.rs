@@ -34,7 +34,18 @@ fn every_format_is_written_and_owns_up_to_its_losses() {
     for (format, file) in FORMATS {
         let output = mieux(
             folder.path(),
-            &["skim-milk", "--to", format, "--draft", "--wavelengths", "400nm:700nm:50nm", "--format", "json", "-o", format],
+            &[
+                "skim-milk",
+                "--to",
+                format,
+                "--draft",
+                "--wavelengths",
+                "400nm:700nm:50nm",
+                "--format",
+                "json",
+                "-o",
+                format,
+            ],
         );
         assert!(output.status.success(), "{format}: {}", flat(&output));
         let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -57,7 +68,9 @@ fn the_table_shows_units_and_losses_and_csv_both_sides() {
     let output = mieux(folder.path(), &words);
     assert!(output.status.success(), "{}", flat(&output));
     let shown = String::from_utf8(output.stdout).unwrap();
-    for part in ["1/m", "one scene unit = 0.01 m", "sigma_s'", "sigma_a", "largest error", "skim-milk.pbrt", "reduced ones"] {
+    for part in
+        ["1/m", "one scene unit = 0.01 m", "sigma_s'", "sigma_a", "largest error", "skim-milk.pbrt", "reduced ones"]
+    {
         assert!(shown.contains(part), "{part}: {shown}");
     }
     assert!(folder.path().join("out/skim-milk-pbrt/skim-milk-scene.pbrt").is_file());

@@ -153,8 +153,8 @@ def usd(mieux, folder, _):
             inputs = {i.getName() for i in definition.getActiveInputs()} if definition else set()
             good &= definition is not None and all(i.GetBaseName() in inputs for i in shader.GetInputs())
     material = UsdShade.MaterialBindingAPI(stage.GetPrimAtPath("/Ball")).ComputeBoundMaterial()[0]
-    surface = material.ComputeSurfaceSource(["mtlx"])[0]
-    volume = material.ComputeVolumeSource(["mtlx"])[0]
+    surface = material.ComputeSurfaceSource("mtlx")[0]
+    volume = material.ComputeVolumeSource("mtlx")[0]
     good &= surface.GetIdAttr().Get() == "ND_surface" and volume.GetIdAttr().Get() == "ND_volume"
     print(f"USD {'.'.join(map(str, Usd.GetVersion()))}: skim-milk.usda {'opens, every shader is MaterialX' if good else 'is wrong'}")
     return good
@@ -166,7 +166,7 @@ def eradiate(mieux, folder, _):
 
     run(mieux, "export", "skim-milk", "--to", "eradiate", "-o", folder / "eradiate")
     data = netCDF4.Dataset(folder / "eradiate" / "skim-milk.nc")
-    mu, phase = np.array(data["mu"]), np.array(data["phase"])[0]
+    mu, phase = np.asarray(data["mu"][:]), np.asarray(data["phase"][0])
     integral = np.trapezoid(phase, mu, axis=1)
     g = np.array([np.trapezoid(p * m, m) / 2 for p, m in zip(phase, mu)])
     good = np.allclose(integral, 2, atol=1e-6) and (np.diff(mu, axis=1) > 0).all() and data["phase"].dimensions == (

@@ -190,7 +190,7 @@ def set_up(scene):
 
 
 def ball(path):
-    """A picture of a ball of 4 cm in even light."""
+    """A picture of a ball of 4 cm in even light, before black."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     set_up(scene)
@@ -204,6 +204,7 @@ def ball(path):
     nodes = scene.world.node_tree.nodes
     background = nodes.get("Background")
     background.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    scene.world.cycles_visibility.camera = False
     bpy.ops.object.camera_add(location=(0.0, -0.1 / METRES_PER_UNIT, 0.0), rotation=(1.5707963267948966, 0.0, 0.0))
     scene.camera = bpy.context.object
     scene.camera.data.clip_start = 0.001 / METRES_PER_UNIT

@@ -1,6 +1,7 @@
 //! How far what is written is from what is known.
 
 use super::Subject;
+use crate::quantity::significant;
 
 /// What a reader of the files gets back, at the wavelengths of the subject; NaN at those that no channel of colour sees.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,19 +74,24 @@ impl Loss {
     /// A line for each quantity.
     pub fn lines(&self) -> Vec<String> {
         let percent = |name: &str, e: Errors| {
-            format!("error of {name}: at most {:.2e} %, rms {:.2e} %", 100.0 * e.largest, 100.0 * e.rms)
+            format!("error of {name}: at most {} %, rms {} %", short(100.0 * e.largest), short(100.0 * e.rms))
         };
         let mut lines = vec![
             percent("sigma_s' = sigma_s (1 - g)", self.reduced),
             percent("sigma_s", self.sigma_s),
             percent("sigma_a", self.sigma_a),
-            format!("error of g: at most {:.2e}, rms {:.2e}", self.asymmetry.largest, self.asymmetry.rms),
+            format!("error of g: at most {}, rms {}", short(self.asymmetry.largest), short(self.asymmetry.rms)),
         ];
         if self.unseen > 0 {
             lines.push(format!("{} of the wavelengths are in no channel and count nowhere", self.unseen));
         }
         lines
     }
+}
+
+/// An error as it is read.
+fn short(error: f64) -> String {
+    significant(error, 3)
 }
 
 /// What became of the phase function.
@@ -103,11 +109,8 @@ pub struct PhaseLoss {
 impl PhaseLoss {
     /// Where only the mean cosine is held.
     pub(super) fn henyey_greenstein(g: f64) -> Self {
-        let form = if g == 0.0 {
-            "isotropic".to_owned()
-        } else {
-            format!("Henyey-Greenstein, g = {}", crate::quantity::significant(g, 6))
-        };
+        let form =
+            if g == 0.0 { "isotropic".to_owned() } else { format!("Henyey-Greenstein, g = {}", significant(g, 6)) };
         Self { form, total_variation: None, one_minus_asymmetry: None }
     }
 
@@ -115,10 +118,10 @@ impl PhaseLoss {
     pub fn line(&self) -> String {
         let mut line = format!("phase function: {}", self.form);
         if let Some(share) = self.total_variation {
-            line += &format!("; {:.2e} % of the scattered light goes elsewhere", 100.0 * share);
+            line += &format!("; {} % of the scattered light goes elsewhere", short(100.0 * share));
         }
         if let Some(error) = self.one_minus_asymmetry {
-            line += &format!("; 1 - g is off by {:.2e} %", 100.0 * error);
+            line += &format!("; 1 - g is off by {} %", short(100.0 * error));
         }
         line
     }

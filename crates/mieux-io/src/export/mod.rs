@@ -92,11 +92,6 @@ impl Format {
         }
     }
 
-    /// Whether it holds spectra, rather than three channels of colour.
-    pub fn is_spectral(self) -> bool {
-        matches!(self, Self::Mitsuba | Self::Pbrt | Self::Eradiate)
-    }
-
     /// Vacuum wavelengths that its renderer samples, m.
     fn range(self) -> (f64, f64) {
         match self {
