@@ -1,6 +1,6 @@
 """Opens what `mieux export` writes with the programs it is written for, and compares what they make of it.
 
-    run.py --mieux target/release/mieux [--only mitsuba materialx usd eradiate cycles] [--samples N]
+    run.py --mieux target/release/mieux [--only mitsuba materialx usd eradiate cycles gltf] [--samples N]
 
 mitsuba     renders plane-parallel slabs (scalar_spectral) and compares reflectance with `mieux slab`: discrete ordinates and
             photons. Light of all directions falls onto the slab and is looked at along the normal, which by reciprocity is the
@@ -9,6 +9,7 @@ materialx   validates the documents against the node library of MaterialX.
 usd         opens the stage and finds every shader of the network in MaterialX's library.
 eradiate    reads the NetCDF file and checks its phase functions.
 cycles      runs the script under bpy and looks at the ball it renders.
+gltf        lets bpy import the ball, and looks for its interior.
 
 Ends with 1 if something is not as it should be.
 """
@@ -190,20 +191,38 @@ def cycles(mieux, folder, _):
         if fine:
             import bpy
             pixels = bpy.data.images.load(str(picture)).pixels[:]
-            middle = pixels[4 * (64 * 32 + 32):][:3]
+            inside = [4 * (64 * y + x) for y in range(24, 40) for x in range(24, 40)]
+            middle = [sum(pixels[i + c] for i in inside) / len(inside) for c in range(3)]
             # A white ball in white light: neither black nor a hole.
             fine = all(0.3 < v <= 1.0 for v in middle)
-            print(f"bpy {bpy.app.version_string}: {material}.py renders {picture}, {[round(v, 3) for v in middle]} in the middle")
+            print(f"bpy {bpy.app.version_string}: {material}.py renders {picture}, {[round(v, 3) for v in middle]} (sRGB) in the middle")
         if not fine:
             print(f"{material}.py under bpy: {done.stderr[-2000:]}")
         good &= fine
     return good
 
 
+def gltf(mieux, folder, _):
+    if importlib.util.find_spec("bpy") is None:
+        print("bpy is not here: glTF is left out")
+        return True
+    import bpy
+
+    run(mieux, "export", "skim-milk", "--to", "gltf", "--draft", "-o", folder / "gltf")
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.import_scene.gltf(filepath=str(folder / "gltf" / "skim-milk.gltf"))
+    balls = [thing for thing in bpy.data.objects if thing.type == "MESH"]
+    good = len(balls) == 1 and all(abs(size - 0.04) < 1e-6 for size in balls[0].dimensions)
+    nodes = {node.type for node in balls[0].data.materials[0].node_tree.nodes} if good else set()
+    good &= "VOLUME_ABSORPTION" in nodes
+    print(f"bpy {bpy.app.version_string}: skim-milk.gltf {'is a ball of 4 cm with an interior' if good else 'is WRONG'}")
+    return good
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--mieux", default="target/release/mieux")
-    parser.add_argument("--only", nargs="*", default=["mitsuba", "materialx", "usd", "eradiate", "cycles"])
+    parser.add_argument("--only", nargs="*", default=["mitsuba", "materialx", "usd", "eradiate", "cycles", "gltf"])
     parser.add_argument("--samples", type=int, default=64, help="samples per pixel of 4096, for Mitsuba")
     parser.add_argument("--keep", type=pathlib.Path, help="folder for everything that is made")
     arguments = parser.parse_args()

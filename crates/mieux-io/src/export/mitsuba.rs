@@ -173,7 +173,7 @@ fn lobes(function: &PhaseFunction, wavelength: f64) -> Result<Form, ExportError>
     Ok(Form { xml, asymmetry, loss })
 }
 
-/// A ball of the material, four centimetres across, in even daylight.
+/// A ball of the material, four centimetres across, in even daylight that is not seen itself.
 fn scene(subject: &Subject, name: &str) -> String {
     let units = |metres: f64| single(metres / subject.metres_per_unit);
     format!(
@@ -182,7 +182,8 @@ fn scene(subject: &Subject, name: &str) -> String {
          <include filename=\"{name}.xml\"/>\n\
          <!-- Russian roulette would end paths that have lost nothing yet; these end by themselves. -->\n\
          <integrator type=\"volpathmis\">\n    <integer name=\"max_depth\" value=\"-1\"/>\n    \
-         <integer name=\"rr_depth\" value=\"1000000\"/>\n</integrator>\n\
+         <integer name=\"rr_depth\" value=\"1000000\"/>\n    \
+         <boolean name=\"hide_emitters\" value=\"true\"/>\n</integrator>\n\
          <emitter type=\"constant\">\n    <spectrum name=\"radiance\" type=\"d65\"/>\n</emitter>\n\
          <shape type=\"sphere\">\n    <float name=\"radius\" value=\"{}\"/>\n    <ref name=\"interior\" id=\"{name}\"/>\n    \
          <ref id=\"{name}-boundary\"/>\n</shape>\n\
