@@ -7,6 +7,7 @@ use mieux::io::quantity::{Size, parse_duration, parse_fraction};
 use mieux::io::recipe::{RecipeError, parse_setting};
 use mieux::jobs::{Approximation, Compare, Optics, Render, Stop};
 
+use crate::export::ExportArgs;
 use crate::invert::InvertArgs;
 use crate::mie::MieArgs;
 use crate::paint::PaintCommand;
@@ -56,6 +57,8 @@ pub enum Command {
     Paint(PaintCommand),
     /// Find absorption, scattering and asymmetry from measured reflectance and transmittance
     Invert(InvertArgs),
+    /// Write a material for another renderer, and say what that renderer's format has lost of it
+    Export(ExportArgs),
     /// Print a completion script for a shell
     Completions {
         /// Shell to complete for

@@ -1,6 +1,7 @@
 //! `mieux`: what a material looks like from what it is made of.
 
 mod args;
+mod export;
 mod failure;
 mod invert;
 mod mie;
@@ -99,6 +100,12 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
             let format = args.format;
             if let Report::Invert(report) = run_job(&Job::Invert(args.job()), format == Format::Table)? {
                 invert::show(&report, format)?;
+            }
+        }
+        Command::Export(args) => {
+            let format = args.format;
+            if let Report::Export(report) = run_job(&Job::Export(args.job()?), format == Format::Table)? {
+                export::show(&report, format)?;
             }
         }
         Command::Render(args) => {

@@ -5,6 +5,7 @@
 
 mod cells;
 pub mod checkpoint;
+pub mod export;
 pub mod image;
 pub mod index_file;
 pub mod measured;

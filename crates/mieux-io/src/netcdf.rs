@@ -97,7 +97,7 @@ impl Variable {
         Self { name, dimensions, attributes: Vec::new(), values }
     }
 
-    /// Adds a remark: `units`, `long_name`, `standard_name` and the like, by the CF conventions (`cf2025`).
+    /// Adds a remark: `units`, `long_name`, `standard_name` and the like, by the CF conventions (`cf2022`).
     pub fn with(mut self, name: impl Into<String>, value: impl Into<Attribute>) -> Self {
         self.attributes.push((name.into(), value.into()));
         self
@@ -273,7 +273,7 @@ mod tests {
         let bytes = two_by_three().to_bytes().unwrap();
         assert_eq!(&bytes[..4], b"CDF\x01");
         let mut reader = FileReader::open_seek_read("memory", Box::new(Cursor::new(bytes))).unwrap();
-        let set = reader.data_set().clone();
+        let set = reader.data_set();
         assert_eq!(set.get_global_attr_as_string("title").unwrap(), "A table");
         assert_eq!(set.get_global_attr_f64("tolerance"), Some(&[1e-4][..]));
         assert_eq!(set.get_var_attr_as_string("w", "units").unwrap(), "nm");

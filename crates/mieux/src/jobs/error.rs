@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use mieux_io::checkpoint::CheckpointError;
+use mieux_io::export::ExportError;
 use mieux_io::image::ImageError;
 use mieux_io::index_file::IndexFileError;
 use mieux_io::measured::MeasuredError;
@@ -110,6 +111,9 @@ pub enum JobError {
         /// Names that are there.
         help: String,
     },
+    /// A material that a format cannot hold.
+    #[error(transparent)]
+    Export(#[from] ExportError),
     /// A table too long for memory.
     #[error(transparent)]
     Rows(#[from] RowsError),

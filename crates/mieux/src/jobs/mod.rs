@@ -5,6 +5,7 @@
 mod compare;
 mod error;
 mod event;
+mod export;
 mod invert;
 mod mie;
 mod optics;
@@ -22,6 +23,7 @@ use serde::{Deserialize, Serialize};
 pub use compare::{Compare, CompareReport, CompareSheet, Difference, Side};
 pub use error::JobError;
 pub use event::{Context, Event, Stage};
+pub use export::{Export, ExportReport, ExportSheet};
 pub use invert::{Invert, InvertReport, InvertSheet, Inverted, Slabs};
 pub use mie::{Coat, Definition, Directional, Mie, MieBatch, MieBatchReport, MieReport, MieSheet, Particle};
 pub use optics::{Optics, OpticsReport};
@@ -71,6 +73,8 @@ pub enum Job {
     Invert(Invert),
     /// The refractive index of a substance.
     Substance(SubstanceIndex),
+    /// A material for another renderer.
+    Export(Export),
 }
 
 /// What a job leaves besides its files.
@@ -104,6 +108,8 @@ pub enum Report {
     Invert(Box<InvertReport>),
     /// Of [`Job::Substance`].
     Substance(Box<SubstanceReport>),
+    /// Of [`Job::Export`].
+    Export(Box<ExportReport>),
 }
 
 impl Job {
@@ -127,6 +133,7 @@ impl Job {
             Self::PaintMatch(job) => job.run(context).map(|report| Report::PaintMatch(Box::new(report))),
             Self::Invert(job) => job.run(context).map(|report| Report::Invert(Box::new(report))),
             Self::Substance(job) => job.run(context).map(|report| Report::Substance(Box::new(report))),
+            Self::Export(job) => job.run(context).map(|report| Report::Export(Box::new(report))),
         }
     }
 }

@@ -351,7 +351,7 @@ fn build(sheets: &[OpticsSheet], size: Size) -> Result<Scene, JobError> {
 }
 
 fn medium(bulk: &mieux_optics::medium::BulkOptics) -> Result<Medium, JobError> {
-    let spectrum = |values: &[f64]| Ok::<_, JobError>(beyond(&bulk.spectrum(values)?)?);
+    let spectrum = |values: &[f64]| beyond(&Sampled::new(bulk.grid().clone(), values.to_vec())?);
     Ok(Medium {
         sigma_s: spectrum(bulk.sigma_s())?,
         sigma_a: spectrum(bulk.sigma_a())?,
