@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 use super::packing::HardSpheres;
 use super::{Inclusion, MediumError, Packing, SizedBy};
-use crate::integrate::{Converged, Roughness, gauss_legendre, integrate_panels};
+use crate::integrate::{Converged, gauss_legendre, integrate_panels};
 use crate::mie::{
     Coefficients, Directions, Layer, LayeredSphere, MieError, PlaneWave, Sphere, SphereScattering,
     scatter_layered_spheres, scatter_spheres,
@@ -22,12 +22,8 @@ const TINY: f64 = 1e-6;
 /// Part of it below which what lies inside a coat is left out.
 const HOLLOW: f64 = 0.1;
 
-/// Resonances of a sphere follow each other at about this distance in its size parameter: what a rule makes of one panel that
-/// wide or wider says nothing about its neighbour.
-const ROUGH: f64 = 1.0;
-
-/// Orders of the series of all spheres together, of one inclusion at one wavelength, after which averages over resonances are
-/// not made any better: some tenths of a second.
+/// Orders of the series of all spheres together, of one inclusion at one wavelength, after which the resonances of large spheres
+/// are not followed any further: some tenths of a second.
 const MOST_ORDERS: f64 = 2e7;
 
 /// A sphere that stands for particles, or for a part of one.
@@ -216,13 +212,12 @@ impl<'a> Scatterer<'a> {
     /// Integrates scattering, absorption, reduced scattering, and `Im S(0)/k^2`, over all sizes; fifth the volume of the particles,
     /// sixth that of spheres of their sizes. Also returns the panels that were enough.
     ///
-    /// With `averaged`, resonances of large spheres are averaged over rather than resolved, and the work is bounded: beyond it
-    /// the integral is what it is, with the error it has.
+    /// If `bounded`, so is the work: beyond it the integral is what it is, with the error it has.
     pub fn integrate(
         &mut self,
         sizes: &dyn Smooth,
         tolerance: f64,
-        averaged: bool,
+        bounded: bool,
         floor: impl Fn(&[f64; 6]) -> [f64; 6],
     ) -> Result<Converged<6>, MediumError> {
         // Every distribution was checked for its volume.
@@ -230,10 +225,9 @@ impl<'a> Scatterer<'a> {
         let inclusion = self.inclusion;
         let wave = TAU / self.wave.wavelength() * self.wave.host().norm();
         let x = |u: f64| wave * inclusion.shape.equivalent_radius(inclusion.outer_radius(sizes.measure(u).0));
-        let rough = |from: f64, to: f64| averaged && (x(to) - x(from)).abs() > ROUGH;
         let orders = Cell::new(0.0);
-        let spent = || averaged && orders.get() > MOST_ORDERS;
-        integrate_panels(&knots, tolerance, floor, Roughness { rough, spent }, |nodes, values| {
+        let spent = || bounded && orders.get() > MOST_ORDERS;
+        integrate_panels(&knots, tolerance, floor, spent, |nodes, values| {
             let measures: Vec<(f64, f64)> = nodes.iter().map(|u| sizes.measure(*u)).collect();
             let radii: Vec<f64> = measures.iter().map(|(size, _)| *size).collect();
             let found = self.per_volume(&radii, true)?;
