@@ -11,7 +11,7 @@ use mieux_io::table::Table;
 use mieux_optics::Complex64;
 use mieux_optics::medium::absorption_coefficient;
 use mieux_optics::spectrum::WavelengthGrid;
-use mieux_optics::substance::{Conditions, Dispersion, Substance, SubstanceEntry, SubstanceError};
+use mieux_optics::substance::{Conditions, Dispersion, Solute, Substance, SubstanceEntry, SubstanceError};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -253,6 +253,26 @@ impl SubstanceSheet {
             .with_panel(panel("Absorption", "Imaginary part k", y, self.imaginary()))
             .with_panel(panel("Absorption coefficient", "4πk/λ (1/m)", y, self.absorption()))
     }
+}
+
+/// The substances and solutes that are known, as JSON.
+pub fn substances_json() -> serde_json::Value {
+    let nm = |wavelength_m: f64| (wavelength_m * 1e15).round() / 1e6;
+    let entries: Vec<_> = SubstanceEntry::ALL
+        .iter()
+        .map(|entry| {
+            let range = entry.substance(entry.typical()).ok().and_then(|substance| substance.wavelength_range());
+            json!({
+                "name": entry.name,
+                "about": entry.about,
+                "wavelength_nm": range.map(|(first, last)| [nm(first), nm(last)]),
+                "temperature_degC": entry.temperature,
+                "salinity_g_per_kg": entry.salinity,
+                "sources": entry.sources,
+            })
+        })
+        .collect();
+    json!({ "substances": entries, "solutes": Solute::NAMES })
 }
 
 /// Two wavelengths (m) in the unit that suits the first.
