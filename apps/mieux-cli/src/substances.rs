@@ -136,6 +136,9 @@ pub fn show(report: &SubstanceReport, format: Format) -> Result<(), Failure> {
     match format {
         Format::Table => {
             write!(out, "{}", report.sheet.table()?.to_text(6))?;
+            for note in report.sheet.notes() {
+                writeln!(out, "Note: {note}.")?;
+            }
             for file in &report.files {
                 writeln!(out, "{}", file.display())?;
             }

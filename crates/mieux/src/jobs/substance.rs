@@ -102,7 +102,11 @@ impl SubstanceIndex {
                 let page = database.find(page)?;
                 self.dispersive(format!("{}: {}", page.name, page.title), database.read(page)?)
             }
-            _ => Err(Self::only("substance", "one source: a name, a file, or a database with a page")),
+            _ => Err(JobError::Value {
+                name: "substance",
+                value: "given several times or not at all".into(),
+                allowed: "one of a name, a file, and a database with a page",
+            }),
         }
     }
 
