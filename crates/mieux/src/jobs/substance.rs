@@ -247,6 +247,10 @@ impl SubstanceSheet {
         let x = if last > 5.0 * first { Scale::Log } else { Scale::Linear };
         let absorbs = self.index.iter().any(|n| n.im > 0.0);
         let y = if absorbs { Scale::Log } else { Scale::Linear };
+        // Logarithmic axes end at 1e-10, above what ice absorbs.
+        let faint = self.index.iter().any(|n| n.im > 0.0 && n.im < 1e-9);
+        let (label, scale) = if faint { ("Imaginary part k (10⁻⁹)", 1e9) } else { ("Imaginary part k", 1.0) };
+        let imaginary = self.imaginary().iter().map(|k| k * scale).collect();
         let panel = |title: &str, label: &str, y, values: Vec<f64>| {
             Panel::new(title, "Wavelength in vacuum (nm)", label)
                 .with_scales(x, y)
@@ -254,7 +258,7 @@ impl SubstanceSheet {
         };
         Figure::new(&self.title, 2)
             .with_panel(panel("Refraction", "Real part n", Scale::Linear, self.real()))
-            .with_panel(panel("Absorption", "Imaginary part k", y, self.imaginary()))
+            .with_panel(panel("Absorption", label, y, imaginary))
             .with_panel(panel("Absorption coefficient", "4πk/λ (1/m)", y, self.absorption()))
     }
 }
