@@ -5,12 +5,14 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use mieux::io::quantity::{Size, parse_duration, parse_fraction};
 use mieux::io::recipe::{RecipeError, parse_setting};
-use mieux::jobs::{Approximation, Optics, Render, Stop};
+use mieux::jobs::{Approximation, Compare, Optics, Render, Stop};
 
+use crate::export::ExportArgs;
 use crate::invert::InvertArgs;
 use crate::mie::MieArgs;
 use crate::paint::PaintCommand;
 use crate::phase::PhaseArgs;
+use crate::sizes::SizesArgs;
 use crate::slab::SlabArgs;
 use crate::substances::SubstancesArgs;
 
@@ -24,14 +26,16 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 pub enum Command {
-    /// List the materials that are known, with their inputs, ranges and defaults
-    Materials,
+    /// List the materials that are known, or show one with its inputs, ranges and defaults
+    Materials(MaterialsArgs),
     /// List the substances that are known, or show the refractive index of one over wavelength
     Substances(SubstancesArgs),
     /// List the scenes that are known
     Scenes,
     /// Compute the optical properties of a material over wavelength
     Optics(OpticsArgs),
+    /// Put two materials, or a material and measurements, side by side
+    Compare(CompareArgs),
     /// Render a picture of a material in a glass, or of a scene
     Render(RenderArgs),
     /// Compute what one particle does to light, or a table of them
@@ -39,6 +43,8 @@ pub enum Command {
     /// Cross sections, efficiencies and asymmetry, and with `--angles` amplitudes and Mueller matrix, of a sphere, or with
     /// `--layer` a sphere with layers around it, in any host (Lorenz-Mie theory).
     Mie(MieArgs),
+    /// Show a size distribution in every weighting: means, medians, effective radius
+    Sizes(SizesArgs),
     /// Compute how scattered light spreads over angle, and compare phase functions
     Phase(PhaseArgs),
     /// Compute how much light comes back from a slab or layers, passes, and stays
@@ -51,6 +57,8 @@ pub enum Command {
     Paint(PaintCommand),
     /// Find absorption, scattering and asymmetry from measured reflectance and transmittance
     Invert(InvertArgs),
+    /// Write a material for another renderer, and say what that renderer's format has lost of it
+    Export(ExportArgs),
     /// Print a completion script for a shell
     Completions {
         /// Shell to complete for
@@ -70,6 +78,15 @@ pub enum Format {
 }
 
 #[derive(Args)]
+pub struct MaterialsArgs {
+    /// A material, or the path of a recipe, to be shown with its inputs and what it is made of
+    pub material: Option<String>,
+    /// Print the recipe itself, to begin one of your own with: `mieux materials fog --recipe > my.toml`
+    #[arg(long, requires = "material")]
+    pub recipe: bool,
+}
+
+#[derive(Args)]
 pub struct OpticsArgs {
     /// A material (see `mieux materials`), or the path of a recipe such as `my.toml`
     pub material: String,
@@ -85,7 +102,7 @@ pub struct OpticsArgs {
     /// Relative tolerance of the integral over particle sizes
     #[arg(long, default_value = "1e-4")]
     pub tolerance: f64,
-    /// Also write optics.csv, optics.json and optics.svg to this folder
+    /// Also write tables (csv, json, parquet, nc), plots, phase functions and colours of layers to this folder
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }
@@ -98,6 +115,52 @@ impl OpticsArgs {
             tolerance: self.tolerance,
             output: self.output,
             ..Optics::new(self.material)
+        })
+    }
+}
+
+#[derive(Args)]
+pub struct CompareArgs {
+    /// A material (see `mieux materials`), or the path of a recipe
+    pub material: String,
+    /// Another
+    #[arg(required_unless_present = "measured")]
+    pub other: Option<String>,
+    /// Set an input of the first material, as in `fat=1.5`; may be given several times
+    #[arg(long, value_name = "NAME=NUMBER")]
+    pub set: Vec<String>,
+    /// Set an input of the other material
+    #[arg(long, value_name = "NAME=NUMBER", requires = "other")]
+    pub set_other: Vec<String>,
+    /// Measurements: a CSV file with `wavelength_nm` and any of `sigma_s_per_m`, `reduced_scattering_per_mm`,
+    /// `sigma_a_per_cm`, `g`, ...
+    #[arg(long, value_name = "FILE")]
+    pub measured: Option<PathBuf>,
+    /// Wavelengths in vacuum [default: those of the measurements, or 375nm:775nm:25nm]
+    #[arg(long, value_name = "WAVELENGTHS")]
+    pub wavelengths: Option<String>,
+    /// How to print the result
+    #[arg(long, value_enum, default_value = "table")]
+    pub format: Format,
+    /// Relative tolerance of the integral over particle sizes
+    #[arg(long, default_value = "1e-4")]
+    pub tolerance: f64,
+    /// Also write compare.csv, compare.json and compare.svg to this folder
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+impl CompareArgs {
+    pub fn job(self) -> Result<Compare, RecipeError> {
+        Ok(Compare {
+            other: self.other,
+            set: self.set.iter().map(|s| parse_setting(s)).collect::<Result<_, _>>()?,
+            set_other: self.set_other.iter().map(|s| parse_setting(s)).collect::<Result<_, _>>()?,
+            measured: self.measured,
+            wavelengths: self.wavelengths,
+            tolerance: self.tolerance,
+            output: self.output,
+            ..Compare::new(self.material)
         })
     }
 }

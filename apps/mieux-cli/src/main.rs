@@ -1,6 +1,7 @@
 //! `mieux`: what a material looks like from what it is made of.
 
 mod args;
+mod export;
 mod failure;
 mod invert;
 mod mie;
@@ -8,6 +9,7 @@ mod paint;
 mod phase;
 mod progress;
 mod show;
+mod sizes;
 mod slab;
 mod substances;
 
@@ -31,7 +33,7 @@ fn main() -> ExitCode {
 
 fn run(cli: Cli) -> Result<ExitCode, Failure> {
     match cli.command {
-        Command::Materials => show::materials()?,
+        Command::Materials(args) => show::materials(&args)?,
         Command::Scenes => show::scenes()?,
         Command::Substances(args) => {
             let format = args.format;
@@ -51,12 +53,24 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
                 show::optics(&report, format)?;
             }
         }
+        Command::Compare(args) => {
+            let format = args.format;
+            if let Report::Compare(report) = run_job(&Job::Compare(args.job()?), format == Format::Table)? {
+                show::compare(&report, format)?;
+            }
+        }
         Command::Mie(args) => {
             let format = args.format;
             match run_job(&args.job(), format == Format::Table)? {
                 Report::Mie(report) => mie::show(&report, format)?,
                 Report::MieBatch(report) => mie::show_batch(&report)?,
                 _ => {}
+            }
+        }
+        Command::Sizes(args) => {
+            let format = args.format;
+            if let Report::Sizes(report) = run_job(&Job::Sizes(args.job()?), format == Format::Table)? {
+                sizes::show(&report, format)?;
             }
         }
         Command::Phase(args) => {
@@ -86,6 +100,12 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
             let format = args.format;
             if let Report::Invert(report) = run_job(&Job::Invert(args.job()), format == Format::Table)? {
                 invert::show(&report, format)?;
+            }
+        }
+        Command::Export(args) => {
+            let format = args.format;
+            if let Report::Export(report) = run_job(&Job::Export(args.job()?), format == Format::Table)? {
+                export::show(&report, format)?;
             }
         }
         Command::Render(args) => {

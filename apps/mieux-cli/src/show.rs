@@ -1,15 +1,18 @@
 //! What is printed.
 
+use std::collections::BTreeMap;
 use std::io::{self, IsTerminal, Write};
+use std::path::PathBuf;
 
 use clap::CommandFactory;
 use mieux::io::plot::{srgb_bytes, srgb_hex};
 use mieux::io::quantity::{format_duration, format_length, format_per_length};
 use mieux::io::recipe::{MATERIALS, Recipe};
 use mieux::io::scene::{SCENES, SceneFile};
-use mieux::jobs::{OpticsReport, OpticsSheet, RenderReport};
+use mieux::io::table::Table;
+use mieux::jobs::{CompareReport, OpticsReport, OpticsSheet, RenderReport, made_of};
 
-use crate::args::{Cli, Format};
+use crate::args::{Cli, Format, MaterialsArgs};
 use crate::failure::Failure;
 
 /// A colour (linear sRGB) as `#rrggbb`, with a patch of it where standard output is a terminal.
@@ -22,24 +25,51 @@ pub fn colour(linear: [f64; 3]) -> String {
     format!("{hex} \x1b[48;2;{r};{g};{b}m      \x1b[0m")
 }
 
-pub fn materials() -> Result<(), Failure> {
+pub fn materials(args: &MaterialsArgs) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
-    for (name, _) in MATERIALS {
-        let recipe = Recipe::find(name)?;
-        writeln!(out, "{name:<16} {}", recipe.about())?;
-        for (input, value) in recipe.inputs() {
-            writeln!(
-                out,
-                "    --set {:<12} {} ({} to {}): {}",
-                input.name,
-                input.shown(*value),
-                input.minimum,
-                input.shown(input.maximum),
-                input.about
-            )?;
+    let Some(name) = &args.material else {
+        for (name, _) in MATERIALS {
+            let recipe = Recipe::find(name)?;
+            writeln!(out, "{name:<20} {}", recipe.about())?;
+            let inputs: Vec<&str> = recipe.inputs().iter().map(|(input, _)| &*input.name).collect();
+            if !inputs.is_empty() {
+                writeln!(out, "{:<20} inputs: {}", "", inputs.join(", "))?;
+            }
         }
+        let more = "`mieux materials NAME` says what the inputs mean. A recipe of your own is a file: `mieux optics my.toml`. Its \
+                    form is in docs/recipes.md; `mieux materials NAME --recipe` prints one to begin with.";
+        writeln!(out, "\n{more}")?;
+        return Ok(());
+    };
+    let recipe = Recipe::find(name)?;
+    if args.recipe {
+        write!(out, "{}", recipe.text())?;
+        return Ok(());
     }
-    writeln!(out, "\nA recipe of your own is a file: `mieux optics my.toml`. Its form is in docs/recipes.md.")?;
+    writeln!(out, "{}\n{}", recipe.title(), recipe.about())?;
+    for (input, value) in recipe.inputs() {
+        writeln!(
+            out,
+            "    --set {:<12} {} ({} to {}): {}",
+            input.name,
+            input.shown(*value),
+            input.minimum,
+            input.shown(input.maximum),
+            input.about
+        )?;
+    }
+    let material = recipe.material(&BTreeMap::new())?;
+    for made in made_of(&material.medium) {
+        writeln!(
+            out,
+            "    {:>10} vol.-%  {}",
+            mieux::io::quantity::significant(100.0 * made.volume_fraction, 4),
+            made.what
+        )?;
+    }
+    if let Some((from, to)) = material.medium.wavelength_range() {
+        writeln!(out, "    known from {} to {}", format_length(from), format_length(to))?;
+    }
     Ok(())
 }
 
@@ -58,16 +88,40 @@ pub fn completions(shell: clap_complete::Shell) {
 }
 
 pub fn optics(report: &OpticsReport, format: Format) -> Result<(), Failure> {
+    let table = report.sheet.table().map_err(Failure::from)?;
+    tabulated(&table, &report.sheet.json(), &report.files, format)?;
+    if format == Format::Table {
+        let mut out = io::stdout().lock();
+        for warning in report.sheet.warnings() {
+            writeln!(out, "warning: {warning}")?;
+        }
+    }
+    Ok(())
+}
+
+pub fn compare(report: &CompareReport, format: Format) -> Result<(), Failure> {
+    let table = report.sheet.table().map_err(Failure::from)?;
+    if format == Format::Table {
+        let mut out = io::stdout().lock();
+        for (key, value) in table.metadata() {
+            writeln!(out, "{key}: {value}")?;
+        }
+    }
+    tabulated(&table, &report.sheet.json(), &report.files, format)
+}
+
+/// A table for people with the files written, or one of its other forms.
+fn tabulated(table: &Table, json: &dyn std::fmt::Display, files: &[PathBuf], format: Format) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     match format {
         Format::Table => {
-            write!(out, "{}", report.sheet.table().map_err(Failure::from)?.to_text(5))?;
-            for file in &report.files {
+            write!(out, "{}", table.to_text(5))?;
+            for file in files {
                 writeln!(out, "{}", file.display())?;
             }
         }
-        Format::Csv => report.sheet.table().map_err(Failure::from)?.write_csv(&mut out)?,
-        Format::Json => writeln!(out, "{:#}", report.sheet.json())?,
+        Format::Csv => table.write_csv(&mut out)?,
+        Format::Json => writeln!(out, "{json:#}")?,
     }
     Ok(())
 }
@@ -89,6 +143,9 @@ pub fn render(report: &RenderReport, again: &str) {
     if report.approximate.is_some() {
         text += "approximate: in bodies at least ten transport mean free paths thick light diffuses instead of being \
                  followed (docs/diffusion.md)\n";
+    }
+    for note in &report.notes {
+        text += &format!("{note}\n");
     }
     let lost = report.statistics.lost;
     if lost > 0 {

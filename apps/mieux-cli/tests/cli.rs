@@ -33,9 +33,16 @@ fn listing(folder: &Path) -> Vec<String> {
 fn materials_and_scenes_are_listed() {
     let folder = tempfile::tempdir().unwrap();
     let materials = text(&mieux(folder.path(), &["materials"]).stdout);
-    for name in ["whole-milk", "skim-milk", "low-fat-milk", "water", "fat", "wt.-%", "0 to 60"] {
+    for name in ["whole-milk", "skim-milk", "low-fat-milk", "water", "inputs: fat"] {
         assert!(materials.contains(name), "{materials}");
     }
+    let milk = text(&mieux(folder.path(), &["materials", "whole-milk"]).stdout);
+    for part in ["wt.-%", "0 to 60", "fat globules", "375 nm to 775 nm"] {
+        assert!(milk.contains(part), "{milk}");
+    }
+    let recipe = mieux(folder.path(), &["materials", "whole-milk", "--recipe"]).stdout;
+    std::fs::write(folder.path().join("my.toml"), &recipe).unwrap();
+    assert!(mieux(folder.path(), &["optics", "my.toml", "--wavelengths", "550nm"]).status.success());
     let scenes = text(&mieux(folder.path(), &["scenes"]).stdout);
     assert!(scenes.contains("milk-components") && scenes.contains("560x210"), "{scenes}");
 }

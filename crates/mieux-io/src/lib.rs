@@ -3,9 +3,13 @@
 //! Nothing here prints, exits or reads the environment. Untrusted text and files end in typed errors that carry the
 //! offending value and say what would do; every file is written under another name and renamed when it is whole.
 
+mod cells;
 pub mod checkpoint;
+pub mod export;
 pub mod image;
 pub mod index_file;
+pub mod measured;
+pub mod netcdf;
 pub mod output;
 pub mod paint;
 pub mod plot;

@@ -3,6 +3,7 @@
 //! Parsing asks for a unit wherever one could be mistaken, and shifts the decimal exponent of the text rather than
 //! multiplying, so that "550nm" is the same number as `550e-9`.
 
+mod amount;
 mod angles;
 mod concentration;
 mod format;
@@ -15,6 +16,7 @@ use std::str::FromStr;
 use mieux_optics::Complex64;
 use mieux_optics::spectrum::{SpectrumError, WavelengthGrid};
 
+pub use amount::{parse_mass_density, parse_number_density};
 pub use angles::Angles;
 pub use concentration::parse_concentration;
 pub use format::{format_area, format_complex_index, format_duration, format_length, format_per_length, significant};

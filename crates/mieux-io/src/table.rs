@@ -1,6 +1,12 @@
 //! Columns of numbers with their units: aligned for reading, or comma-separated with every digit for other programs.
 
+#[cfg(feature = "parquet")]
+mod parquet;
+
 use std::io::{self, Write};
+
+#[cfg(feature = "parquet")]
+pub use ::parquet::errors::ParquetError;
 
 use crate::quantity::significant;
 

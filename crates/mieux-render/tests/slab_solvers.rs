@@ -64,12 +64,9 @@ impl Dice {
 
 /// The phase function of one sphere in air, radius in um, at 550 nm.
 fn sphere(radius_um: f64, index: f64) -> PhaseFunction {
-    let sphere = Inclusion {
-        name: "sphere".into(),
-        substance: Substance::Constant(mieux_optics::Complex64::new(index, 0.0)),
-        sizes: SizeDistribution::Monodisperse { radius_m: radius_um * 1e-6 },
-        volume_fraction: 1e-6,
-    };
+    let substance = Substance::Constant(mieux_optics::Complex64::new(index, 0.0));
+    let sizes = SizeDistribution::Monodisperse { radius_m: radius_um * 1e-6 };
+    let sphere = Inclusion::new("sphere", substance, sizes, 1e-6);
     Medium::new(Substance::Constant(1.0.into()), vec![sphere]).unwrap().phase_at(550e-9, 1e-3).unwrap()
 }
 

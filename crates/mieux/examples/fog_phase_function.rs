@@ -130,7 +130,7 @@ fn distance(diameter: f64) -> Outcome<Distance> {
 
 fn droplets(sizes: SizeDistribution) -> Outcome<PhaseFunction> {
     let water = Substance::Water(Water::ROOM);
-    let droplets = Inclusion { name: "droplets".into(), substance: water, sizes, volume_fraction: 1e-6 };
+    let droplets = Inclusion::new("droplets", water, sizes, 1e-6);
     Ok(Medium::new(Substance::Constant(AIR), vec![droplets])?.phase_at(GREEN, 2e-3)?)
 }
 

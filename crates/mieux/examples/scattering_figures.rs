@@ -98,7 +98,7 @@ fn phase_functions() -> Outcome<Figure> {
     let sphere = |radius: f64| -> Outcome<(String, PhaseFunction)> {
         let sizes = SizeDistribution::monodisperse(radius)?;
         let substance = Substance::Constant(Complex64::new(1.33, 0.0));
-        let sphere = Inclusion { name: "sphere".into(), substance, sizes, volume_fraction: 1e-6 };
+        let sphere = Inclusion::new("sphere", substance, sizes, 1e-6);
         let medium = Medium::new(Substance::Constant(VACUUM), vec![sphere])?;
         Ok((format!("r = {} µm", significant(1e6 * radius, 3)), medium.phase_at(WAVELENGTH, 1e-3)?))
     };

@@ -1,8 +1,10 @@
 //! Recipes: what a material is made of, as TOML. The built-in materials are such files.
 
 mod builtin;
+mod inclusion;
 mod schema;
 mod scope;
+mod size_table;
 mod sizes;
 mod substance;
 
@@ -18,6 +20,7 @@ use crate::text_error::{TextError, did_you_mean, nearest_names};
 use schema::{Document, Source};
 
 pub use builtin::MATERIALS;
+pub use sizes::{SIZE_KINDS, parse_size_distribution};
 
 /// Largest recipe or scene file read, bytes.
 pub const MAX_TEXT: u64 = 1 << 20;
@@ -141,6 +144,11 @@ impl Recipe {
     /// What it is, in a sentence.
     pub fn about(&self) -> &str {
         self.document.about.as_deref().unwrap_or_default()
+    }
+
+    /// The recipe itself.
+    pub fn text(&self) -> &str {
+        &self.text
     }
 
     /// The inputs, with the values the recipe gives them.

@@ -6,13 +6,14 @@ use std::ops::Range;
 
 use mieux_optics::material::Input;
 use mieux_optics::material::milk::Milk;
-use mieux_optics::medium::{Inclusion, Medium};
+use mieux_optics::medium::Medium;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::inclusion::{InclusionSpec, read_inclusions};
 use super::scope::{InputEntry, Number, Scope};
-use super::sizes::{SizeSpec, size_distribution};
-use super::substance::{Around, Made, SoluteSpec};
+use super::substance::{Around, SoluteSpec, made};
+use crate::quantity::parse_mass_density;
 use crate::text_error::TextError;
 
 /// Temperature of a mixture that does not name one, degrees Celsius.
@@ -47,41 +48,7 @@ struct SubstanceSpec {
     salinity: Option<Spanned<Number>>,
     #[serde(default)]
     solute: Vec<SoluteSpec>,
-}
-
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct InclusionSpec {
-    name: Option<String>,
-    substance: Option<Spanned<String>>,
-    refractive_index: Option<Spanned<String>>,
-    index_file: Option<Spanned<String>>,
-    index_page: Option<Spanned<String>>,
-    transparent: Option<Spanned<bool>>,
-    temperature: Option<Spanned<Number>>,
-    salinity: Option<Spanned<Number>>,
-    #[serde(default)]
-    solute: Vec<SoluteSpec>,
-    volume_fraction: Spanned<Number>,
-    size_distribution: Spanned<SizeSpec>,
-}
-
-/// What a host or inclusion is made of.
-macro_rules! made {
-    ($entry:expr) => {{
-        let spec = $entry.get_ref();
-        Made {
-            substance: spec.substance.as_ref(),
-            refractive_index: spec.refractive_index.as_ref(),
-            index_file: spec.index_file.as_ref(),
-            index_page: spec.index_page.as_ref(),
-            transparent: spec.transparent.as_ref(),
-            temperature: spec.temperature.as_ref(),
-            salinity: spec.salinity.as_ref(),
-            solute: &spec.solute,
-            whole: $entry.span(),
-        }
-    }};
+    density: Option<Spanned<String>>,
 }
 
 /// A text under its name, to make errors of places in it.
@@ -158,11 +125,12 @@ impl Document {
             return Err(source.error(0..0, message).with_help(help));
         };
         let around = Around { temperature: self.temperature(place)?, database: self.index_db.as_ref() };
+        let density = &host.get_ref().density;
         let host = made!(host).read(place, around)?;
-        let mut inclusions = Vec::new();
-        for entry in &self.inclusion {
-            inclusions.push(read_inclusion(place, entry, around)?);
-        }
+        let density = density
+            .as_ref()
+            .map(|text| parse_mass_density(&place.text(text)?).map_err(|e| place.error(text.span(), e)));
+        let inclusions = read_inclusions(place, &self.inclusion, around, density.transpose()?)?;
         let span = self.inclusion.first().map_or(0..0, Spanned::span);
         Medium::new(host, inclusions).map_err(|e| source.error(span, e))
     }
@@ -211,21 +179,4 @@ fn model_inputs<'a>(
         *value = input.check(*given).map_err(|e| source.error(entry.span(), e))?;
     }
     Ok(inputs)
-}
-
-fn read_inclusion(
-    place: Place<'_>,
-    entry: &Spanned<InclusionSpec>,
-    around: Around<'_>,
-) -> Result<Inclusion, Box<TextError>> {
-    let spec = entry.get_ref();
-    let substance = made!(entry).read(place, around)?;
-    let volume_fraction = place.number(&spec.volume_fraction)?;
-    if !(0.0..=1.0).contains(&volume_fraction) {
-        let message = format!("the volume fraction {volume_fraction} must lie between 0 and 1");
-        return Err(place.error(spec.volume_fraction.span(), message));
-    }
-    let sizes = size_distribution(place, &spec.size_distribution)?;
-    let name = spec.name.clone().unwrap_or_else(|| format!("{} particles", substance.name()));
-    Ok(Inclusion { name, substance, sizes, volume_fraction })
 }

@@ -37,6 +37,25 @@ pub(super) struct Made<'a> {
     pub(super) whole: Range<usize>,
 }
 
+/// What a host or inclusion is made of.
+macro_rules! made {
+    ($entry:expr) => {{
+        let spec = $entry.get_ref();
+        $crate::recipe::substance::Made {
+            substance: spec.substance.as_ref(),
+            refractive_index: spec.refractive_index.as_ref(),
+            index_file: spec.index_file.as_ref(),
+            index_page: spec.index_page.as_ref(),
+            transparent: spec.transparent.as_ref(),
+            temperature: spec.temperature.as_ref(),
+            salinity: spec.salinity.as_ref(),
+            solute: &spec.solute,
+            whole: $entry.span(),
+        }
+    }};
+}
+pub(super) use made;
+
 /// What holds for the whole recipe.
 #[derive(Clone, Copy)]
 pub(super) struct Around<'a> {

@@ -8,6 +8,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::{SlabFileError, read_text};
+use crate::cells::{Cell, rows};
 use crate::text_error::TextError;
 
 /// Which phase function an abstract medium has.
@@ -69,9 +70,6 @@ impl Kind {
         }
     }
 }
-
-/// A cell and where it is.
-type Cell<'a> = (&'a str, Range<usize>);
 
 /// Reads a text; `file` names it in errors.
 ///
@@ -162,27 +160,6 @@ fn finish(kind: Kind, points: &[[f64; 2]]) -> Result<PhaseTable, String> {
         }
         (Kind::Angles, _) => Ok(PhaseTable::Angles { degrees: column(0), values: column(1) }),
     }
-}
-
-/// Lines that say something, cut into cells without the blanks around them.
-fn rows(text: &str) -> impl Iterator<Item = Vec<Cell<'_>>> {
-    let mut start = 0;
-    let lines = text.split_inclusive('\n').map(move |line| {
-        let at = start;
-        start += line.len();
-        (at, line.trim_end_matches(['\n', '\r']))
-    });
-    lines.filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#')).map(|(at, line)| {
-        let mut from = at;
-        line.split(',')
-            .map(|cell| {
-                let start = from + (cell.len() - cell.trim_start().len());
-                from += cell.len() + 1;
-                let cell = cell.trim().trim_matches('"');
-                (cell, start..start + cell.len())
-            })
-            .collect()
-    })
 }
 
 #[cfg(test)]

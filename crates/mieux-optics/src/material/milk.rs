@@ -104,20 +104,13 @@ impl Milk {
         };
         let mut inclusions = Vec::new();
         if self.fat > 0.0 {
-            inclusions.push(Inclusion {
-                name: "fat globules".into(),
-                substance: Substance::MilkFat { temperature_c: self.temperature },
-                sizes: fat_sizes(self.fat)?,
-                volume_fraction: self.fat / FAT_DENSITY * MILK_DENSITY / 100.0,
-            });
+            let fat = Substance::MilkFat { temperature_c: self.temperature };
+            let fraction = self.fat / FAT_DENSITY * MILK_DENSITY / 100.0;
+            inclusions.push(Inclusion::new("fat globules", fat, fat_sizes(self.fat)?, fraction));
         }
         if self.protein > 0.0 {
-            inclusions.push(Inclusion {
-                name: "casein micelles".into(),
-                substance: Substance::Casein,
-                sizes: casein_sizes()?,
-                volume_fraction: CASEIN_SHARE * self.protein / PROTEIN_DENSITY * MILK_DENSITY / 100.0,
-            });
+            let fraction = CASEIN_SHARE * self.protein / PROTEIN_DENSITY * MILK_DENSITY / 100.0;
+            inclusions.push(Inclusion::new("casein micelles", Substance::Casein, casein_sizes()?, fraction));
         }
         Ok(Medium::new(host, inclusions)?)
     }

@@ -1,36 +1,36 @@
 //! A host with populations of particles in it, and the bulk optical properties that follow.
 
+mod amount;
 mod bulk;
+mod coat;
+mod doubts;
+mod effective_index;
+mod inclusion;
+mod packing;
 mod phase;
+mod scatterer;
 
 use num_complex::Complex64;
 
+pub use amount::{Amount, AmountError, Portion, volume_fractions};
 pub use bulk::{BulkOptics, DEFAULT_TOLERANCE, OpticsAt};
+pub use coat::{Coat, CoatError, CoatExtent, SizedBy};
+pub use doubts::Doubt;
+pub use effective_index::EffectiveIndex;
+pub use inclusion::Inclusion;
+pub use packing::{HardSpheres, Packing, clearance};
 
 use crate::mie::MieError;
-use crate::particle::SizeDistribution;
 use crate::phase::PhaseError;
 use crate::spectrum::{SpectrumError, nanometres};
 use crate::substance::{Substance, SubstanceError};
 
-/// One kind of particle: of what, how large, how much.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Inclusion {
-    /// What people call it; used in messages and summaries.
-    pub name: String,
-    /// What it is made of.
-    pub substance: Substance,
-    /// How large its particles are.
-    pub sizes: SizeDistribution,
-    /// Volume of particles per volume of medium, 0 to 1.
-    pub volume_fraction: f64,
-}
-
-/// A homogeneous host with any number of inclusions that scatter independently.
+/// A homogeneous host with any number of inclusions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Medium {
     host: Substance,
     inclusions: Vec<Inclusion>,
+    effective_index: EffectiveIndex,
 }
 
 /// Why a medium is impossible, or its properties could not be computed.
@@ -49,6 +49,32 @@ pub enum MediumError {
     Overfull {
         /// Sum of the volume fractions.
         total: f64,
+    },
+    /// Spheres of the same area as the particles that take up more room than there is.
+    #[error(
+        "spheres of the same area as the particles would take up {total} of the volume, more than 1; volume-to-area spheres take up no more than the particles"
+    )]
+    OverfullSpheres {
+        /// The share of the volume.
+        total: f64,
+    },
+    /// Something that only spheres have.
+    #[error("{inclusion}: {what} can only be had with spheres")]
+    NotSpheres {
+        /// Name of the inclusion.
+        inclusion: String,
+        /// Coats, or a correction for packing.
+        what: &'static str,
+    },
+    /// Spheres too dense for a structure factor of a fluid.
+    #[error(
+        "volume fraction {value} of {inclusion} is above 0.5, where hard spheres are no fluid any more and Percus and Yevick's structure factor does not hold"
+    )]
+    Packing {
+        /// Name of the inclusion.
+        inclusion: String,
+        /// Its volume fraction.
+        value: f64,
     },
     /// A wavelength outside the data of one of the substances.
     #[error(transparent)]
@@ -89,20 +115,30 @@ impl Medium {
     /// Puts inclusions into a host. Inclusions with a volume fraction of zero are left out.
     ///
     /// # Errors
-    /// [`MediumError::VolumeFraction`] or [`MediumError::Overfull`].
+    /// [`MediumError`]: a volume fraction out of range, or all together; coats or a correction for packing on what are no spheres; too
+    /// dense a packing for its correction.
     pub fn new(host: Substance, inclusions: Vec<Inclusion>) -> Result<Self, MediumError> {
-        for inclusion in &inclusions {
-            let value = inclusion.volume_fraction;
-            if !(0.0..=1.0).contains(&value) {
-                return Err(MediumError::VolumeFraction { inclusion: inclusion.name.clone(), value });
-            }
-        }
+        inclusions.iter().try_for_each(Inclusion::check)?;
         let total: f64 = inclusions.iter().map(|i| i.volume_fraction).sum();
         if total > 1.0 {
             return Err(MediumError::Overfull { total });
         }
+        let total: f64 = inclusions.iter().map(Inclusion::fraction_of_spheres).sum();
+        if total > 1.0 {
+            return Err(MediumError::OverfullSpheres { total });
+        }
         let inclusions = inclusions.into_iter().filter(|i| i.volume_fraction > 0.0).collect();
-        Ok(Self { host, inclusions })
+        Ok(Self { host, inclusions, effective_index: EffectiveIndex::default() })
+    }
+
+    /// The same medium, its effective refractive index understood otherwise.
+    pub fn with_effective_index(self, effective_index: EffectiveIndex) -> Self {
+        Self { effective_index, ..self }
+    }
+
+    /// How its effective refractive index is understood.
+    pub fn effective_index(&self) -> EffectiveIndex {
+        self.effective_index
     }
 
     /// The host.
@@ -118,7 +154,11 @@ impl Medium {
     /// The wavelengths (m) for which every substance has data; `None` when every wavelength will do, an empty range
     /// (first above second) when there is none.
     pub fn wavelength_range(&self) -> Option<(f64, f64)> {
-        let substances = std::iter::once(&self.host).chain(self.inclusions.iter().map(|i| &i.substance));
+        let particles = self
+            .inclusions
+            .iter()
+            .flat_map(|i| std::iter::once(&i.substance).chain(i.coats.iter().map(Coat::substance)));
+        let substances = std::iter::once(&self.host).chain(particles);
         substances.filter_map(Substance::wavelength_range).reduce(|a, b| (a.0.max(b.0), a.1.min(b.1)))
     }
 }

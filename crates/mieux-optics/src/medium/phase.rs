@@ -4,15 +4,15 @@
 
 mod moments;
 
-use std::f64::consts::TAU;
-
 use rayon::prelude::*;
 
-use super::bulk::{Scatterer, mie_error};
+use super::packing::HardSpheres;
+use super::scatterer::{Ball, Scatterer, fluid, mie_error};
 use super::{Inclusion, Medium, MediumError};
 use crate::Complex64;
 use crate::integrate::rule;
-use crate::mie::{Directions, Sphere};
+use crate::mie::Directions;
+use crate::particle::{Part, Spread};
 use crate::phase::{AngleGrid, Isotropic, PhaseError, PhaseFunction, SpectralPhase, Tabulated};
 use crate::spectrum::WavelengthGrid;
 
@@ -30,12 +30,16 @@ const ATTEMPTS: usize = 4;
 const BATCH: usize = 16;
 
 /// One of the spheres that stand for a medium.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Member {
-    sphere: Sphere,
+    ball: Ball,
     /// Scattering coefficient due to spheres like it, 1/m, and the same reduced by `1 - g`.
     scattering: f64,
     reduced: f64,
+    /// Scattering coefficient as if each were alone, 1/m.
+    alone: f64,
+    /// Those that it gets in the way of.
+    fluid: Option<HardSpheres>,
     /// Modulus of its size parameter.
     size: f64,
     /// Its inclusion among those of the medium.
@@ -118,9 +122,16 @@ impl Medium {
             .map(|batch| {
                 let mut sum = vec![0.0; count];
                 for member in batch {
-                    let phase = member.sphere.coefficients().phase_function(directions);
+                    let phase = member.ball.coefficients().phase_function(directions);
                     let phase = phase.map_err(|source| mie_error(&self.inclusions()[member.inclusion], source))?;
-                    sum.iter_mut().zip(phase).for_each(|(sum, p)| *sum += member.scattering * p);
+                    match member.fluid {
+                        None => sum.iter_mut().zip(phase).for_each(|(sum, p)| *sum += member.alone * p),
+                        Some(fluid) => {
+                            for ((sum, p), mu) in sum.iter_mut().zip(phase).zip(directions.cosines()) {
+                                *sum += member.alone * p * fluid.at(member.size, *mu);
+                            }
+                        }
+                    }
                 }
                 Ok(sum)
             })
@@ -143,33 +154,52 @@ fn sample(
     members: &mut Vec<Member>,
 ) -> Result<(), MediumError> {
     let mut scatterer = Scatterer::new(inclusion, wavelength, host)?;
-    let nodes: Vec<(f64, f64)> = match inclusion.sizes.knots() {
-        None => vec![inclusion.sizes.volume_measure(0.0)],
-        Some(knots) => {
-            // Absorption and refraction have no part in this.
-            let floor = |_: &[f64; 5]| [0.0, f64::INFINITY, 0.0, f64::INFINITY, 0.0];
-            let (_, panels) = scatterer.integrate(&knots, tolerance, floor)?;
-            let size = |u: f64| TAU / wavelength * host.norm() * inclusion.sizes.volume_measure(u).0;
-            let panels = panels.into_iter().flat_map(|[from, to]| {
-                let parts = ((size(to) - size(from)) / WIDEST_PANEL).ceil().clamp(1.0, 1e4) as u32;
-                let at = move |i: u32| from + (to - from) * f64::from(i) / f64::from(parts);
-                (0..parts).map(move |i| [at(i), at(i + 1)])
+    let (first, mut volume) = (members.len(), 0.0);
+    for Part { share, sizes } in inclusion.sizes.parts() {
+        let (nodes, many): (Vec<(f64, f64)>, bool) = match sizes {
+            Spread::One(size) => (vec![(size, share)], false),
+            Spread::Smooth(sizes) => {
+                // Absorption and refraction have no part in this.
+                let floor = |_: &[f64; 6]| [0.0, f64::INFINITY, 0.0, f64::INFINITY, 0.0, 0.0];
+                let (_, panels) = scatterer.integrate(sizes, tolerance, false, floor)?;
+                let size = |u: f64| scatterer.size_parameter(sizes.measure(u).0);
+                let panels = panels.into_iter().flat_map(|[from, to]| {
+                    let parts = ((size(to) - size(from)).abs() / WIDEST_PANEL).ceil().clamp(1.0, 1e4) as u32;
+                    let at = move |i: u32| from + (to - from) * f64::from(i) / f64::from(parts);
+                    (0..parts).map(move |i| [at(i), at(i + 1)])
+                });
+                let measure = |(u, weight): (f64, f64)| {
+                    let (size, measure) = sizes.measure(u);
+                    (size, weight * measure)
+                };
+                let mut nodes: Vec<(f64, f64)> = panels.flat_map(rule).map(measure).collect();
+                let whole: f64 = nodes.iter().map(|(_, measure)| measure).sum();
+                nodes.iter_mut().for_each(|(_, measure)| *measure *= share / whole);
+                (nodes, true)
+            }
+        };
+        let radii: Vec<f64> = nodes.iter().map(|(size, _)| *size).collect();
+        let found = scatterer.per_volume(&radii, many)?;
+        for ((ball, found), (size, measure)) in scatterer.balls().iter().zip(found).zip(nodes) {
+            let amount = measure * inclusion.bulk(size);
+            volume += amount;
+            members.push(Member {
+                ball: ball.clone(),
+                scattering: found.scattering * amount,
+                reduced: found.reduced * amount,
+                alone: found.alone * amount,
+                fluid: fluid(inclusion),
+                size: scatterer.size_parameter(size),
+                inclusion: place,
             });
-            let measure = |(u, weight): (f64, f64)| {
-                let (radius, measure) = inclusion.sizes.volume_measure(u);
-                (radius, weight * measure)
-            };
-            panels.flat_map(rule).map(measure).collect()
         }
-    };
-    let volume: f64 = nodes.iter().map(|(_, measure)| measure).sum();
-    let found: Vec<[f64; 4]> = scatterer.per_volume(nodes.iter().map(|(radius, _)| *radius))?.collect();
-    members.extend(scatterer.spheres().iter().zip(&found).zip(&nodes).map(|((sphere, found), (radius, measure))| {
-        let size = TAU * radius * host.norm() / wavelength;
-        let amount = inclusion.volume_fraction * measure / volume;
-        let [scattering, _, reduced, _] = found.map(|v| v * amount);
-        Member { sphere: *sphere, scattering, reduced, size, inclusion: place }
-    }));
+    }
+    let scale = inclusion.volume_fraction / volume;
+    for member in &mut members[first..] {
+        member.scattering *= scale;
+        member.reduced *= scale;
+        member.alone *= scale;
+    }
     Ok(())
 }
 

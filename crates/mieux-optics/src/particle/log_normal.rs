@@ -1,28 +1,7 @@
-//! Log-normal sizes, with the weighting that the literature so often leaves unsaid.
+//! Log-normal sizes, in any weighting.
 
-use super::{ParticleError, even_knots, positive};
-
-/// What a size distribution counts. A log-normal in one weighting is a log-normal of the same width in every other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Weighting {
-    /// Particles per size (aerosols, OPAC).
-    Number,
-    /// Surface area per size.
-    Surface,
-    /// Volume per size, `r^3 N(r)` (laser diffraction; eq 49 of `frisvad2007`).
-    Volume,
-}
-
-impl Weighting {
-    /// Power of the radius that multiplies `N(r)`.
-    fn power(self) -> f64 {
-        match self {
-            Self::Number => 0.0,
-            Self::Surface => 2.0,
-            Self::Volume => 3.0,
-        }
-    }
-}
+use super::smooth::{Smooth, clipped, even_knots};
+use super::{ParticleError, Weighting, check_limits, positive};
 
 /// Log-normal distribution of radius, cut off at optional limits.
 ///
@@ -75,11 +54,9 @@ impl LogNormal {
     /// # Errors
     /// [`ParticleError::Limits`], or [`ParticleError::Empty`] when less than about 1e-23 of the volume would be left.
     pub fn truncated(self, minimum_m: f64, maximum_m: f64) -> Result<Self, ParticleError> {
-        if !(minimum_m >= 0.0 && maximum_m > minimum_m) {
-            return Err(ParticleError::Limits { minimum_m, maximum_m });
-        }
+        check_limits(minimum_m, maximum_m)?;
         let cut = Self { minimum_m, maximum_m, ..self };
-        let (from, to) = cut.log_range();
+        let (from, to) = cut.volume_range();
         if from < to { Ok(cut) } else { Err(ParticleError::Empty { minimum_m, maximum_m }) }
     }
 
@@ -114,23 +91,27 @@ impl LogNormal {
         self.log_deviation.powi(2).exp_m1().sqrt()
     }
 
-    /// Volume per unit of `ln r` at `u = ln r`, up to a constant.
-    pub(super) fn volume_measure(&self, u: f64) -> (f64, f64) {
+    /// The range of `ln r` that matters to the volume.
+    fn volume_range(&self) -> (f64, f64) {
+        let s = self.log_deviation;
+        let centre = self.in_weighting(Weighting::Volume).median_m.ln();
+        ((centre - 10.0 * s).max(self.minimum_m.ln()), (centre + 10.0 * s + 3.0 * s * s).min(self.maximum_m.ln()))
+    }
+}
+
+impl Smooth for LogNormal {
+    fn measure(&self, u: f64) -> (f64, f64) {
         let z = (u - self.in_weighting(Weighting::Volume).median_m.ln()) / self.log_deviation;
         (u.exp(), (-0.5 * z * z).exp())
     }
 
-    pub(super) fn knots(&self) -> Vec<f64> {
-        let (from, to) = self.log_range();
-        even_knots(from, to, 2.0 * self.log_deviation)
-    }
-
-    /// The range of `ln r` that matters: ten deviations about the volume median, further up by the shift that Rayleigh
-    /// scattering (another three powers of the radius) can bring.
-    fn log_range(&self) -> (f64, f64) {
+    /// Ten deviations about the medians that the powers shift.
+    fn knots(&self, least: f64, most: f64) -> Option<Vec<f64>> {
         let s = self.log_deviation;
-        let centre = self.in_weighting(Weighting::Volume).median_m.ln();
-        ((centre - 10.0 * s).max(self.minimum_m.ln()), (centre + 10.0 * s + 3.0 * s * s).min(self.maximum_m.ln()))
+        let centre = |power: f64| self.in_weighting(Weighting::Volume).median_m.ln() + (power - 3.0) * s * s;
+        let (from, to) =
+            clipped([centre(least) - 10.0 * s, centre(most) + 10.0 * s], [self.minimum_m, self.maximum_m], 10.0 * s);
+        Some(even_knots(from, to, 2.0 * s))
     }
 }
 
@@ -142,8 +123,8 @@ mod tests {
 
     /// Moment of the number distribution by quadrature: integral of `r^power N(r) dr` up to one constant for all powers.
     fn number_moment(d: &LogNormal, power: i32) -> f64 {
-        let integral = integrate::<1, Infallible>(&d.knots(), 1e-12, [0.0], |u| {
-            let (r, volume) = d.volume_measure(u);
+        let integral = integrate::<1, Infallible>(&d.knots(0.0, 7.0).unwrap(), 1e-12, [0.0], |u| {
+            let (r, volume) = d.measure(u);
             Ok([volume * (r / 1e-6).powi(power - 3)])
         });
         integral.unwrap().unwrap().value[0]
@@ -152,7 +133,7 @@ mod tests {
     #[test]
     fn weightings_convert_and_agree_with_moments() {
         let number = LogNormal::from_median(Weighting::Number, 0.4e-6, 1.5).unwrap();
-        for weighting in [Weighting::Number, Weighting::Surface, Weighting::Volume] {
+        for weighting in Weighting::ALL {
             let d = number.in_weighting(weighting);
             let k = weighting.power() as i32;
             // The mean in a weighting is a ratio of number moments, found here by quadrature.

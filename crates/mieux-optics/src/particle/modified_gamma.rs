@@ -1,6 +1,7 @@
 //! Modified gamma sizes, by which fogs and clouds are described.
 
-use super::{ParticleError, even_knots, positive};
+use super::smooth::{Smooth, clipped, even_knots};
+use super::{ParticleError, check_limits, positive};
 
 /// Number density `r^alpha exp(-(alpha / gamma) (r / mode)^gamma)`, cut off at optional limits.
 ///
@@ -36,12 +37,14 @@ impl ModifiedGamma {
     /// # Errors
     /// [`ParticleError::Limits`], or [`ParticleError::Empty`] when as good as nothing would be left.
     pub fn truncated(self, minimum_m: f64, maximum_m: f64) -> Result<Self, ParticleError> {
-        if !(minimum_m >= 0.0 && maximum_m > minimum_m) {
-            return Err(ParticleError::Limits { minimum_m, maximum_m });
-        }
+        check_limits(minimum_m, maximum_m)?;
         let cut = Self { minimum_m, maximum_m, ..self };
-        let (from, to) = cut.log_range();
-        if from < to { Ok(cut) } else { Err(ParticleError::Empty { minimum_m, maximum_m }) }
+        let [from, to] = cut.range(3.0, 6.0);
+        if from.max(minimum_m.ln()) < to.min(maximum_m.ln()) {
+            Ok(cut)
+        } else {
+            Err(ParticleError::Empty { minimum_m, maximum_m })
+        }
     }
 
     /// Radius of which there are most, m.
@@ -54,8 +57,20 @@ impl ModifiedGamma {
         (self.alpha, self.gamma)
     }
 
-    /// Volume per unit of `ln r` at `u = ln r`, up to a constant.
-    pub(super) fn volume_measure(&self, u: f64) -> (f64, f64) {
+    /// Where in `ln r`, limits disregarded, the volume times `r^(power - 3)` is above about `exp(-50)` of its largest, for
+    /// powers from `least` to `most`.
+    fn range(&self, least: f64, most: f64) -> [f64; 2] {
+        let Self { mode_m, alpha, gamma, .. } = *self;
+        let slope = |power: f64| alpha + 1.0 + power;
+        let peak = |power: f64| (slope(power) / alpha).ln() / gamma;
+        let low = peak(least) - 60.0 / slope(least) - 12.0 / (slope(least) * gamma).sqrt();
+        let high = ((slope(most) + 50.0) / alpha * (1.0 + gamma)).ln() / gamma;
+        [mode_m.ln() + low, mode_m.ln() + high.max(peak(most))]
+    }
+}
+
+impl Smooth for ModifiedGamma {
+    fn measure(&self, u: f64) -> (f64, f64) {
         let Self { mode_m, alpha, gamma, .. } = *self;
         let relative = u - mode_m.ln();
         // Relative to the peak of the volume, which keeps the exponential in range.
@@ -65,20 +80,11 @@ impl ModifiedGamma {
         (u.exp(), (exponent(relative) - exponent(peak)).exp())
     }
 
-    pub(super) fn knots(&self) -> Vec<f64> {
-        let (from, to) = self.log_range();
+    fn knots(&self, least: f64, most: f64) -> Option<Vec<f64>> {
         // The width of the peak in ln r, from its curvature there.
-        even_knots(from, to, 2.0 / ((self.alpha + 4.0) * self.gamma).sqrt())
-    }
-
-    /// The range of `ln r` that matters: where the volume, also times another three powers of the radius, is above about
-    /// `exp(-50)` of its largest.
-    fn log_range(&self) -> (f64, f64) {
-        let Self { mode_m, alpha, gamma, minimum_m, maximum_m } = *self;
-        let peak = ((alpha + 4.0) / alpha).ln() / gamma;
-        let steep = ((alpha + 7.0 + 50.0) / alpha * (1.0 + gamma)).ln() / gamma;
-        let (from, to) = (mode_m.ln() + peak - 60.0 / (alpha + 4.0), mode_m.ln() + steep.max(peak));
-        (from.max(minimum_m.ln()), to.min(maximum_m.ln()))
+        let width = 2.0 / ((self.alpha + 4.0) * self.gamma).sqrt();
+        let (from, to) = clipped(self.range(least, most), [self.minimum_m, self.maximum_m], width);
+        Some(even_knots(from, to, width))
     }
 }
 
@@ -95,10 +101,10 @@ mod tests {
         let d = ModifiedGamma::new(2e-6, 4.0, 1.0).unwrap();
         let moment = |power: i32| {
             let f = |u: f64| {
-                let (r, volume) = d.volume_measure(u);
+                let (r, volume) = d.measure(u);
                 Ok::<_, Infallible>([volume * (r / 1e-6).powi(power - 3)])
             };
-            integrate(&d.knots(), 1e-12, [0.0], f).unwrap().unwrap().value[0]
+            integrate(&d.knots(0.0, 7.0).unwrap(), 1e-12, [0.0], f).unwrap().unwrap().value[0]
         };
         // Mean of r^(k+1) over mean of r^k is (k + alpha + 1) mode / alpha.
         for k in 0..7 {

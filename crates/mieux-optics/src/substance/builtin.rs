@@ -18,6 +18,7 @@ const VISIBLE: (f64, f64) = (0.36, 0.83);
 pub(super) fn named(name: &str) -> Option<Arc<Dispersion>> {
     static ALL: LazyLock<Vec<Arc<Dispersion>>> = LazyLock::new(|| {
         let tables = [
+            ("hematite", table!("hematite")),
             ("ice", table!("ice")),
             ("opac-mineral", table!("opac-mineral")),
             ("opac-soot", table!("opac-soot")),
@@ -46,7 +47,7 @@ fn columns() -> [Dispersion; 4] {
 /// Crystals are means over their axes, `(2 n_o + n_e)/3`. What takes no imaginary part has none worth mentioning over
 /// the range, or is used for want of one: `docs/substances.md` says which. Formulas by way of the refractiveindex.info
 /// database, CC0 1.0; single values are published facts.
-fn formulas() -> [Dispersion; 8] {
+fn formulas() -> [Dispersion; 9] {
     let uniaxial = |number, ordinary: &[f64], extraordinary: &[f64], range| {
         Piece::Mean(vec![
             (2.0 / 3.0, formula(number, ordinary, range)),
@@ -83,6 +84,8 @@ fn formulas() -> [Dispersion; 8] {
         clear("polystyrene", cauchy(&[1.5725, 0.0031080, -2.0, 0.00034779, -4.0], (0.37, 1.61))),
         // `bond2006`: recommended for the visible at 550 nm.
         both("soot", vec![cauchy(&[1.95], VISIBLE)], vec![cauchy(&[0.79], VISIBLE)]),
+        // `michels2008`, who use it from 350 to 900 nm.
+        clear("soybean-oil", cauchy(&[1.451, 0.01154, -2.0, -0.001132, -4.0], (0.35, 0.9))),
         // `devore1951`; it begins to absorb below 0.43 um.
         clear(
             "tio2-rutile",

@@ -52,7 +52,7 @@ const fn plain(name: &'static str, about: &'static str, sources: &'static [&'sta
 
 impl SubstanceEntry {
     /// All of them, in alphabetical order.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 29] = [
         plain("air", "air, taken as vacuum: 1", &[]),
         plain("air-standard", "dry air at 15 C and 101.325 kPa", &["ciddor1996"]),
         plain("algae", "algae of coastal waters: 1.41, absorption an example", &["frisvad2007", "bricaud1995"]),
@@ -60,6 +60,7 @@ impl SubstanceEntry {
         plain("calcite", "calcite, mean over its axes, no absorption", &["ghosh1999"]),
         plain("casein", "casein micelles: 1.503, no absorption", &["attaie2000"]),
         plain("fused-silica", "fused silica, no absorption", &["malitson1965"]),
+        plain("hematite", "red iron oxide, mean over its axes", &["querry1985"]),
         plain("ice", "ice at -7 C", &["warren2008"]),
         plain("ice-2007", "ice as in 2007: 1.31", &["frisvad2007", "warren2006", "grenfell1981"]),
         plain("kaolin", "kaolin: 1.56, no absorption", &["anthony1995"]),
@@ -87,6 +88,7 @@ impl SubstanceEntry {
         },
         plain("soda-lime-glass", "low-iron soda-lime glass", &["rubin1985"]),
         plain("soot", "soot: 1.95+0.79i", &["bond2006"]),
+        plain("soybean-oil", "soybean oil, no absorption", &["michels2008"]),
         plain("tio2-anatase", "anatase, a polycrystalline film", &["jolivet2023"]),
         plain("tio2-rutile", "rutile, mean over its axes, no absorption", &["devore1951"]),
         SubstanceEntry {
@@ -109,7 +111,7 @@ impl SubstanceEntry {
 
     /// The entry of that name.
     pub fn named(name: &str) -> Option<&'static Self> {
-        static ALL: [SubstanceEntry; 27] = SubstanceEntry::ALL;
+        static ALL: [SubstanceEntry; 29] = SubstanceEntry::ALL;
         ALL.iter().find(|entry| entry.name == name)
     }
 

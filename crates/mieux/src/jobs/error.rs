@@ -3,8 +3,11 @@
 use std::path::PathBuf;
 
 use mieux_io::checkpoint::CheckpointError;
+use mieux_io::export::ExportError;
 use mieux_io::image::ImageError;
 use mieux_io::index_file::IndexFileError;
+use mieux_io::measured::MeasuredError;
+use mieux_io::netcdf::NetCdfError;
 use mieux_io::output::OutputError;
 use mieux_io::paint::PaintFileError;
 use mieux_io::plot::PlotError;
@@ -17,6 +20,7 @@ use mieux_io::table::TableError;
 use mieux_optics::medium::MediumError;
 use mieux_optics::mie::MieError;
 use mieux_optics::paint::PaintError;
+use mieux_optics::particle::ParticleError;
 use mieux_optics::phase::PhaseError;
 use mieux_optics::spectrum::SpectrumError;
 use mieux_optics::substance::SubstanceError;
@@ -78,6 +82,15 @@ pub enum JobError {
         /// The outer radius of the one below.
         below: Length,
     },
+    /// A weighting that there is not.
+    #[error("there is no weighting `{name}`: number, surface, volume and intensity are known")]
+    Weighting {
+        /// What was asked for.
+        name: String,
+    },
+    /// Sizes that cannot be counted in the way asked for.
+    #[error(transparent)]
+    Particle(#[from] ParticleError),
     /// A phase function that is none.
     #[error(transparent)]
     Phase(#[from] PhaseError),
@@ -98,6 +111,9 @@ pub enum JobError {
         /// Names that are there.
         help: String,
     },
+    /// A material that a format cannot hold.
+    #[error(transparent)]
+    Export(#[from] ExportError),
     /// A table too long for memory.
     #[error(transparent)]
     Rows(#[from] RowsError),
@@ -127,6 +143,12 @@ pub enum JobError {
         /// How many at a time.
         spheres: u32,
     },
+    /// A table of measurements.
+    #[error(transparent)]
+    Measured(#[from] MeasuredError),
+    /// A comparison with nothing.
+    #[error("there is nothing to compare with: name another material, or measurements with `--measured FILE`")]
+    NothingToCompare,
     /// A setting that none of the materials of a scene has.
     #[error("no material of the scene {scene} has an input `{input}`")]
     NoSuchInput {
@@ -177,6 +199,13 @@ pub enum JobError {
     /// A table.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// A table as Parquet.
+    #[cfg(feature = "parquet")]
+    #[error("the table cannot be written as Parquet: {0}")]
+    Parquet(#[from] mieux_io::table::ParquetError),
+    /// A data set as NetCDF.
+    #[error(transparent)]
+    NetCdf(#[from] NetCdfError),
     /// The threads could not be started.
     #[error("{threads} threads could not be started: {reason}")]
     Threads {
@@ -200,6 +229,7 @@ impl JobError {
             Self::Rows(RowsError::Missing { help, .. }) => Some(help.clone()),
             Self::Recipe(RecipeError::Text(error))
             | Self::SlabFile(SlabFileError::Text(error))
+            | Self::Measured(MeasuredError::Text(error))
             | Self::Rxt(RxtError::Text(error))
             | Self::PaintFile(PaintFileError::Text(error)) => error.help.clone(),
             Self::NoSuchPaint { help, .. } | Self::NoSuchSubstance { help, .. } => Some(help.clone()),

@@ -2,8 +2,10 @@
 //!
 //! The command line, a TOML or JSON file, and whatever comes later build the same values and run them the same way.
 
+mod compare;
 mod error;
 mod event;
+mod export;
 mod invert;
 mod mie;
 mod optics;
@@ -11,13 +13,17 @@ mod paint;
 mod phase;
 mod render;
 mod sheet;
+mod sizes;
 mod slab;
 mod substance;
+mod wavelengths;
 
 use serde::{Deserialize, Serialize};
 
+pub use compare::{Compare, CompareReport, CompareSheet, Difference, Side};
 pub use error::JobError;
 pub use event::{Context, Event, Stage};
+pub use export::{Export, ExportReport, ExportSheet};
 pub use invert::{Invert, InvertReport, InvertSheet, Inverted, Slabs};
 pub use mie::{Coat, Definition, Directional, Mie, MieBatch, MieBatchReport, MieReport, MieSheet, Particle};
 pub use optics::{Optics, OpticsReport};
@@ -27,10 +33,11 @@ pub use paint::{
 };
 pub use phase::{Comparand, Compared, FitKind, Named, Phase, PhaseModel, PhaseReport, PhaseSheet};
 pub use render::{Approximation, Render, RenderReport, Stop};
-pub use sheet::{Made, OpticsSheet};
+pub use sheet::{Made, OpticsSheet, made_of};
+pub use sizes::{Population, Sizes, SizesReport};
 pub use slab::{
-    Answer, Backing, Case, Patch, PhaseName, Sample, Slab, SlabCompare, SlabCompareReport, SlabCompareSheet, SlabError,
-    SlabLight, SlabReport, SlabSheet, Solver, Trial,
+    Answer, Backing, Case, LayerColour, Patch, PhaseName, Sample, Slab, SlabCompare, SlabCompareReport,
+    SlabCompareSheet, SlabError, SlabLight, SlabReport, SlabSheet, Solver, Trial,
 };
 pub use substance::{SubstanceIndex, SubstanceReport, SubstanceSheet, format_range, substances_json};
 
@@ -40,8 +47,12 @@ pub use substance::{SubstanceIndex, SubstanceReport, SubstanceSheet, format_rang
 pub enum Job {
     /// Optical properties of a material over wavelength.
     Optics(Optics),
+    /// Two materials, or a material and measurements, side by side.
+    Compare(Compare),
     /// A picture.
     Render(Render),
+    /// What a size distribution amounts to.
+    Sizes(Sizes),
     /// Light and one particle.
     Mie(Mie),
     /// Light and a table of spheres.
@@ -62,6 +73,8 @@ pub enum Job {
     Invert(Invert),
     /// The refractive index of a substance.
     Substance(SubstanceIndex),
+    /// A material for another renderer.
+    Export(Export),
 }
 
 /// What a job leaves besides its files.
@@ -69,8 +82,12 @@ pub enum Job {
 pub enum Report {
     /// Of [`Job::Optics`].
     Optics(Box<OpticsReport>),
+    /// Of [`Job::Compare`].
+    Compare(Box<CompareReport>),
     /// Of [`Job::Render`].
     Render(Box<RenderReport>),
+    /// Of [`Job::Sizes`].
+    Sizes(Box<SizesReport>),
     /// Of [`Job::Mie`].
     Mie(Box<MieReport>),
     /// Of [`Job::MieBatch`].
@@ -91,6 +108,8 @@ pub enum Report {
     Invert(Box<InvertReport>),
     /// Of [`Job::Substance`].
     Substance(Box<SubstanceReport>),
+    /// Of [`Job::Export`].
+    Export(Box<ExportReport>),
 }
 
 impl Job {
@@ -101,7 +120,9 @@ impl Job {
     pub fn run(&self, context: &Context<'_>) -> Result<Report, JobError> {
         match self {
             Self::Optics(job) => job.run(context).map(|report| Report::Optics(Box::new(report))),
+            Self::Compare(job) => job.run(context).map(|report| Report::Compare(Box::new(report))),
             Self::Render(job) => job.run(context).map(|report| Report::Render(Box::new(report))),
+            Self::Sizes(job) => job.run(context).map(|report| Report::Sizes(Box::new(report))),
             Self::Mie(job) => job.run(context).map(|report| Report::Mie(Box::new(report))),
             Self::MieBatch(job) => job.run(context).map(|report| Report::MieBatch(Box::new(report))),
             Self::Phase(job) => job.run(context).map(|report| Report::Phase(Box::new(report))),
@@ -112,6 +133,7 @@ impl Job {
             Self::PaintMatch(job) => job.run(context).map(|report| Report::PaintMatch(Box::new(report))),
             Self::Invert(job) => job.run(context).map(|report| Report::Invert(Box::new(report))),
             Self::Substance(job) => job.run(context).map(|report| Report::Substance(Box::new(report))),
+            Self::Export(job) => job.run(context).map(|report| Report::Export(Box::new(report))),
         }
     }
 }

@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 use mieux_io::checkpoint::{read_checkpoint, write_checkpoint};
 use mieux_io::image::{Film as ExrFilm, write_exr, write_png_srgb8};
 use mieux_io::output::OutputDir;
-use mieux_io::quantity::Size;
+use mieux_io::quantity::{Size, format_length};
 use mieux_io::recipe::{Material, Recipe};
 use mieux_io::scene::{SceneFile, Subject};
 use mieux_optics::medium::{DEFAULT_TOLERANCE, Medium as OpticsMedium};
-use mieux_optics::spectrum::WavelengthGrid;
+use mieux_optics::spectrum::{Sampled, SpectrumError, WavelengthGrid};
 use mieux_optics::substance::Substance;
 use mieux_render::film::Film;
 use mieux_render::integrator::{Statistics, Transport};
@@ -20,7 +20,7 @@ use mieux_render::render::{Flow, Outcome, Progress, RenderSettings, Rendered, St
 use mieux_render::scene::{GlassScene, Scene, glasses};
 use serde::{Deserialize, Serialize};
 
-use super::{Context, Event, JobError, OpticsSheet, Stage};
+use super::{Context, Event, JobError, OpticsSheet, Stage, wavelengths};
 
 /// The file that an interrupted render goes on from.
 const CHECKPOINT: &str = "render.checkpoint";
@@ -117,6 +117,8 @@ pub struct RenderReport {
     pub interrupted: bool,
     /// What stood in for the walk of light.
     pub approximate: Option<Approximation>,
+    /// What was assumed of materials that are not known at all wavelengths of a picture.
+    pub notes: Vec<String>,
     /// Least and most samples per pixel.
     pub samples: (u64, u64),
     /// Mean relative standard error per pixel.
@@ -153,12 +155,12 @@ impl Render {
         let stop = self.stop.check()?;
         let (name, scene_file, materials) = self.materials()?;
         let size = self.size.unwrap_or(scene_file.size);
-        let grid = WavelengthGrid::frisvad2007();
         let mut sheets = Vec::with_capacity(materials.len());
         for material in materials {
+            let grid = wavelengths::usual([&material.medium]);
             sheets.push(OpticsSheet::compute(material, &grid, DEFAULT_TOLERANCE, context)?);
         }
-        let scene = build(&sheets, size)?;
+        let (scene, notes) = (build(&sheets, size)?, notes(&sheets));
 
         let folder = self.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&name));
         let dir = OutputDir::create(&folder)?;
@@ -193,6 +195,7 @@ impl Render {
             sheets,
             interrupted,
             approximate: self.approximate,
+            notes,
             samples: rendered.film.samples(),
             noise: rendered.noise,
             seconds,
@@ -302,6 +305,37 @@ impl Render {
     }
 }
 
+/// Constant beyond the first and last wavelength, as far as pictures reach.
+fn beyond(spectrum: &Sampled) -> Result<Sampled, SpectrumError> {
+    let (first, last) = WavelengthGrid::frisvad2007().range();
+    let (mut wavelengths, mut values) = (spectrum.grid().as_slice().to_vec(), spectrum.values().to_vec());
+    if wavelengths[0] > first {
+        wavelengths.insert(0, first);
+        values.insert(0, values[0]);
+    }
+    if wavelengths[wavelengths.len() - 1] < last {
+        wavelengths.push(last);
+        values.push(values[values.len() - 1]);
+    }
+    Sampled::new(WavelengthGrid::new(wavelengths)?, values)
+}
+
+/// What is said of materials that are not known as far as pictures reach.
+fn notes(sheets: &[OpticsSheet]) -> Vec<String> {
+    let usual = WavelengthGrid::frisvad2007().range();
+    let partly = sheets.iter().filter(|sheet| sheet.bulk.grid().range() != usual);
+    partly
+        .map(|sheet| {
+            let (from, to) = sheet.bulk.grid().range();
+            let (from, to) = (format_length(from), format_length(to));
+            format!(
+                "{} is known from {from} to {to}; beyond, its properties are taken as at the nearer end",
+                sheet.material.name
+            )
+        })
+        .collect()
+}
+
 /// The scene of glasses filled with the materials of the sheets.
 fn build(sheets: &[OpticsSheet], size: Size) -> Result<Scene, JobError> {
     let glass = OpticsMedium::new(Substance::SodaLimeGlass, Vec::new())
@@ -317,9 +351,7 @@ fn build(sheets: &[OpticsSheet], size: Size) -> Result<Scene, JobError> {
 }
 
 fn medium(bulk: &mieux_optics::medium::BulkOptics) -> Result<Medium, JobError> {
-    let spectrum = |values: &[f64]| {
-        bulk.spectrum(values).map_err(|source| JobError::Medium { material: "spectrum".into(), source })
-    };
+    let spectrum = |values: &[f64]| beyond(&Sampled::new(bulk.grid().clone(), values.to_vec())?);
     Ok(Medium {
         sigma_s: spectrum(bulk.sigma_s())?,
         sigma_a: spectrum(bulk.sigma_a())?,

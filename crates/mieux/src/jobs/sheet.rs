@@ -78,6 +78,12 @@ impl OpticsSheet {
         [wavelengths[i], s * (1.0 - g), a, g, s + a]
     }
 
+    /// What makes the properties doubtful, in words: particles too near to each other to scatter independently.
+    pub fn warnings(&self) -> Vec<String> {
+        let longest = self.bulk.grid().range().1;
+        self.material.medium.doubts(longest).iter().map(ToString::to_string).collect()
+    }
+
     /// As a table, with units in the column names and what was computed in its head.
     ///
     /// # Errors
@@ -90,6 +96,9 @@ impl OpticsSheet {
         }
         table =
             table.with_metadata("largest relative error of the size integral", format!("{:.1e}", b.relative_error()));
+        for warning in self.warnings() {
+            table = table.with_metadata("warning", warning);
+        }
         let columns = [
             ("wavelength", "nm", self.nanometres()),
             ("sigma_s", "per_m", b.sigma_s().to_vec()),
@@ -120,6 +129,7 @@ impl OpticsSheet {
             "g": b.asymmetry(),
             "n_real": b.n_real(),
             "n_imag": b.n_imag(),
+            "warnings": self.warnings(),
         })
     }
 
@@ -155,7 +165,8 @@ impl OpticsSheet {
     }
 }
 
-fn made_of(medium: &Medium) -> Vec<Made> {
+/// What a medium is made of, the host first.
+pub fn made_of(medium: &Medium) -> Vec<Made> {
     let occupied: f64 = medium.inclusions().iter().map(|i| i.volume_fraction).sum();
     let host = medium.host().describe();
     let inclusions = medium.inclusions().iter();

@@ -15,7 +15,7 @@ use mieux_optics::substance::{Conditions, Dispersion, Solute, Substance, Substan
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::{Context, Event, JobError, Stage};
+use super::{Context, Event, JobError, Stage, wavelengths};
 
 /// The refractive index of a substance over wavelength. One of `name`, `index_file`, and `index_db` with `page`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -135,9 +135,8 @@ impl SubstanceIndex {
         let Some((first, last)) = substance.wavelength_range().filter(|(first, last)| first <= last) else {
             return Ok(usual);
         };
-        let inside: Vec<f64> = usual.iter().filter(|w| (first..=last).contains(w)).collect();
-        if inside.len() > 1 {
-            return Ok(WavelengthGrid::new(inside)?);
+        if let Some(known) = wavelengths::known([(first, last)]) {
+            return Ok(known);
         }
         let steps = f64::from(Self::POINTS - 1);
         let between = |i: u32| first * (last / first).powf(f64::from(i) / steps);

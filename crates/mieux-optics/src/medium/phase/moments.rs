@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
-use super::{Medium, MediumError};
+use super::{Medium, MediumError, Member};
 use crate::integrate::gauss_legendre;
+use crate::medium::scatterer::node_count;
 use crate::mie::Directions;
 
 impl Medium {
@@ -14,7 +15,8 @@ impl Medium {
     ///
     /// The phase function of every sphere is a polynomial in the scattering cosine, and a Gauss rule with enough nodes for
     /// the largest gives the moments of all of them without error but rounding: what is left is that of the integral over
-    /// radius, converged to `tolerance` as [`Self::optics_at`] does it.
+    /// radius, converged to `tolerance` as [`Self::optics_at`] does it. (A structure factor, where packing is corrected for, is no
+    /// polynomial, and gets nodes enough for 1e-6.)
     ///
     /// # Errors
     /// As for [`Self::optics_at`].
@@ -30,8 +32,12 @@ impl Medium {
             moments[0] = 1.0;
             return Ok(moments);
         }
-        let terms = members.par_iter().map(|member| member.sphere.coefficients().terms().len()).max().unwrap_or(1);
-        let nodes = gauss_legendre(terms + max_degree / 2 + 1);
+        let nodes = |member: &Member| {
+            let terms = member.ball.coefficients().terms().len();
+            if member.fluid.is_some() { node_count(terms) } else { terms + 1 }
+        };
+        let count = members.par_iter().map(nodes).max().unwrap_or(1);
+        let nodes = gauss_legendre(count + max_degree / 2);
         let directions = Directions::new(nodes.iter().map(|(mu, _)| *mu));
         let values = self.sum(&members, &directions, nodes.len())?;
         for ((mu, weight), value) in nodes.iter().zip(&values) {

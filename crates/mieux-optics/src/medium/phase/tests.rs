@@ -4,6 +4,7 @@ use super::*;
 use crate::material::milk::Milk;
 use crate::medium::DEFAULT_TOLERANCE;
 use crate::mie::PlaneWave;
+use crate::mie::Sphere;
 use crate::particle::{LogNormal, SizeDistribution, Weighting};
 use crate::phase::{Rayleigh, compare};
 use crate::substance::{Conditions, Substance};
@@ -20,7 +21,7 @@ fn water() -> Substance {
 }
 
 fn droplets(sizes: SizeDistribution) -> Medium {
-    let droplets = Inclusion { name: "droplets".into(), substance: water(), sizes, volume_fraction: 1e-6 };
+    let droplets = Inclusion::new("droplets", water(), sizes, 1e-6);
     Medium::new(AIR, vec![droplets]).unwrap()
 }
 
@@ -112,11 +113,9 @@ fn a_tighter_tolerance_gives_the_same_function() {
 
 #[test]
 fn two_inclusions_are_weighted_by_what_they_scatter() {
-    let inclusion = |radius_m, volume_fraction| Inclusion {
-        name: "spheres".into(),
-        substance: Substance::Constant(Complex64::new(1.5, 1e-4)),
-        sizes: SizeDistribution::monodisperse(radius_m).unwrap(),
-        volume_fraction,
+    let inclusion = |radius_m, volume_fraction| {
+        let sizes = SizeDistribution::monodisperse(radius_m).unwrap();
+        Inclusion::new("spheres", Substance::Constant(Complex64::new(1.5, 1e-4)), sizes, volume_fraction)
     };
     let medium = |inclusions: &[Inclusion]| Medium::new(water(), inclusions.to_vec()).unwrap();
     let parts = [inclusion(50e-9, 0.2), inclusion(1e-6, 1e-3)];

@@ -1,6 +1,7 @@
 //! A phase function known at angles: Lorenz-Mie results, measurements.
 
 mod build;
+mod cosine;
 mod grid;
 
 use std::f64::consts::PI;

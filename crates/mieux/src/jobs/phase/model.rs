@@ -171,7 +171,7 @@ fn sphere(
     let substance = particle.map_or(water, |index| Substance::Constant(index.value()));
     let phase = || -> Result<PhaseFunction, MediumError> {
         let sizes = SizeDistribution::Monodisperse { radius_m: 0.5 * diameter.metres() };
-        let sphere = Inclusion { name: "sphere".into(), substance, sizes, volume_fraction: 1e-6 };
+        let sphere = Inclusion::new("sphere", substance, sizes, 1e-6);
         Medium::new(Substance::Constant(host.value()), vec![sphere])?.phase_at(wavelength.metres(), tolerance)
     };
     let phase = phase().map_err(|source| JobError::Medium { material: "mie".into(), source })?;

@@ -124,6 +124,8 @@ pub(super) struct SpectralMatter {
 
 /// Counts wavelengths of all materials together.
 pub(super) struct Count {
+    /// What is being counted.
+    pub stage: Stage,
     pub done: AtomicU64,
     pub total: u64,
 }
@@ -153,7 +155,7 @@ impl SpectralMatter {
                     true => Some(medium.phase_at(wavelength, wanted.tolerance.max(TABLE)).map_err(failed)?),
                     false => None,
                 };
-                context.count(Stage::Optics, count.done.fetch_add(1, Ordering::Relaxed) + 1, count.total);
+                context.count(count.stage, count.done.fetch_add(1, Ordering::Relaxed) + 1, count.total);
                 Ok((optics, index, Scattering { moments, function }))
             })
             .collect();

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicU64;
 
-use mieux_io::quantity::{format_length, parse_wavelengths, significant};
+use mieux_io::quantity::{format_length, significant};
 use mieux_io::recipe::{Material, Recipe};
 use mieux_io::slab_file::layers::{self, LayerSpec};
 use mieux_io::slab_file::phase::PhaseChoice;
@@ -11,7 +11,7 @@ use mieux_optics::phase::{Isotropic, PhaseFunction};
 use mieux_optics::spectrum::WavelengthGrid;
 use mieux_optics::transfer::{Ground, Layer, Moments, Stack};
 
-use super::super::{Context, Event, JobError, Stage};
+use super::super::{Context, Event, JobError, Stage, wavelengths};
 use super::matter::{Count, Scattering, SpectralMatter, Wanted};
 use super::{Sample, Slab, SlabError};
 
@@ -88,8 +88,7 @@ impl Stacks {
                 let with = "an abstract medium, which is alike at all of them".to_owned();
                 return Err(SlabError::Meaningless { what: "a choice of wavelengths", with }.into());
             }
-            (Some(text), false) => Some(parse_wavelengths(text)?),
-            (None, false) => Some(WavelengthGrid::frisvad2007()),
+            (text, false) => Some(wavelengths::chosen(text.as_ref(), parts.materials.iter().map(|m| &m.medium))?),
             (None, true) => None,
         };
         check_extents(slab, &parts)?;
@@ -172,7 +171,7 @@ fn spectra(
 ) -> Result<Vec<SpectralMatter>, JobError> {
     let Some(grid) = grid else { return Ok(Vec::new()) };
     context.say(Event::Begin(Stage::Optics));
-    let count = Count { done: AtomicU64::new(0), total: (grid.len() * materials.len()) as u64 };
+    let count = Count { stage: Stage::Optics, done: AtomicU64::new(0), total: (grid.len() * materials.len()) as u64 };
     let all = materials.iter().map(|material| SpectralMatter::compute(material, grid, wanted, &count, context));
     let all = all.collect::<Result<_, _>>()?;
     context.say(Event::End(Stage::Optics));

@@ -1,16 +1,17 @@
 //! The job behind `mieux optics`.
 
+mod folder;
+
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use mieux_io::output::OutputDir;
-use mieux_io::quantity::parse_wavelengths;
 use mieux_io::recipe::Recipe;
 use mieux_optics::medium::DEFAULT_TOLERANCE;
-use mieux_optics::spectrum::WavelengthGrid;
 use serde::{Deserialize, Serialize};
 
-use super::{Context, Event, JobError, OpticsSheet, Stage};
+use super::slab::Look;
+use super::{Context, Event, JobError, OpticsSheet, Stage, wavelengths};
 
 /// Optical properties of a material over wavelength.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,7 +28,7 @@ pub struct Optics {
     /// Relative tolerance of the integral over particle sizes.
     #[serde(default = "default_tolerance")]
     pub tolerance: f64,
-    /// Folder for table and plot; nothing is written when left out.
+    /// Folder for tables, plots, phase functions and colours; nothing is written when left out.
     #[serde(default)]
     pub output: Option<PathBuf>,
 }
@@ -50,18 +51,14 @@ impl Optics {
 
     pub(super) fn run(&self, context: &Context<'_>) -> Result<OpticsReport, JobError> {
         let material = Recipe::find(&self.material)?.material(&self.set)?;
-        let grid = match &self.wavelengths {
-            Some(text) => parse_wavelengths(text)?,
-            None => WavelengthGrid::frisvad2007(),
-        };
+        let grid = wavelengths::chosen(self.wavelengths.as_ref(), [&material.medium])?;
         let sheet = OpticsSheet::compute(material, &grid, self.tolerance, context)?;
         let mut files = Vec::new();
         if let Some(folder) = &self.output {
             let dir = OutputDir::create(folder)?;
+            let look = Look::compute(&sheet.material, &grid, self.tolerance, context)?;
             context.say(Event::Begin(Stage::Write));
-            files = sheet.write(&dir, "optics")?;
-            let json = sheet.json();
-            files.push(dir.write("optics.json", |out| Ok(serde_json::to_writer_pretty(out, &json)?))?);
+            files = folder::write(&dir, &sheet, &look)?;
             dir.commit();
             context.say(Event::End(Stage::Write));
         }
