@@ -4,9 +4,8 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use clap::Args;
-use mieux::jobs::{SubstanceIndex, SubstanceReport, format_range};
+use mieux::jobs::{SubstanceIndex, SubstanceReport, format_range, substances_json};
 use mieux::optics::substance::{Solute, SubstanceEntry};
-use serde_json::json;
 
 use crate::args::Format;
 use crate::failure::Failure;
@@ -122,29 +121,14 @@ pub fn list(format: Format) -> Result<(), Failure> {
                 writeln!(out, "{},\"{}\",{first},{last},{sources}", entry.name, entry.about)?;
             }
         }
-        Format::Json => {
-            let entries: Vec<_> = SubstanceEntry::ALL
-                .iter()
-                .map(|entry| {
-                    json!({
-                        "name": entry.name,
-                        "about": entry.about,
-                        "wavelength_nm": range(entry).map(|(a, b)| [nm(a), nm(b)]),
-                        "temperature_degC": entry.temperature,
-                        "salinity_g_per_kg": entry.salinity,
-                        "sources": entry.sources,
-                    })
-                })
-                .collect();
-            writeln!(out, "{:#}", json!({ "substances": entries, "solutes": Solute::NAMES }))?;
-        }
+        Format::Json => writeln!(out, "{:#}", substances_json())?,
     }
     Ok(out.flush()?)
 }
 
 /// Nanometres without what the change of unit has left.
-fn nm(wavelength_m: f64) -> f64 {
-    (wavelength_m * 1e15).round() / 1e6
+fn nm(wavelength_m: f64) -> String {
+    ((wavelength_m * 1e15).round() / 1e6).to_string()
 }
 
 pub fn show(report: &SubstanceReport, format: Format) -> Result<(), Failure> {
@@ -152,6 +136,9 @@ pub fn show(report: &SubstanceReport, format: Format) -> Result<(), Failure> {
     match format {
         Format::Table => {
             write!(out, "{}", report.sheet.table()?.to_text(6))?;
+            for note in report.sheet.notes() {
+                writeln!(out, "Note: {note}.")?;
+            }
             for file in &report.files {
                 writeln!(out, "{}", file.display())?;
             }

@@ -48,6 +48,34 @@ fn materials_and_scenes_are_listed() {
 }
 
 #[test]
+fn substances_are_listed_and_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = text(&mieux(folder.path(), &["substances"]).stdout);
+    for part in ["sea-ice-brine", "temperature -30 to -2 degC", "44.3 nm to 2 m; warren2008", "riboflavin"] {
+        assert!(list.contains(part), "{list}");
+    }
+    let json = mieux(folder.path(), &["substances", "--format", "json"]);
+    let json: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert!(json["substances"].as_array().unwrap().iter().any(|s| s["name"] == "ice"), "{json}");
+    let file = "DATA:\n- type: formula 5\n  wavelength_range: 0.4 0.8\n  coefficients: 1.5\n";
+    std::fs::write(folder.path().join("my.yml"), file).unwrap();
+    let words = ["substances", "--index-file", "my.yml", "--transparent", "--format", "json", "-o", "out"];
+    let json: serde_json::Value = serde_json::from_slice(&mieux(folder.path(), &words).stdout).unwrap();
+    assert_eq!((&json["n_real"][0], &json["wavelength_nm"][0]), (&1.5.into(), &400.0.into()));
+    assert_eq!(listing(&folder.path().join("out")), ["substance.csv", "substance.svg"]);
+    for (words, part) in [
+        (&["substances", "wter"][..], "did you mean `water`"),
+        (&["substances", "--index-file", "my.yml"], "give `--transparent`"),
+        (&["substances", "water", "--salinity", "50"], "salinity 50 g/kg is out of range: 0 to 35 g/kg"),
+        (&["substances", "water", "--wavelengths", "900nm"], "375 nm to 775 nm"),
+    ] {
+        let output = mieux(folder.path(), words);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(flat(&output).contains(part), "{}", flat(&output));
+    }
+}
+
+#[test]
 fn optics_prints_json_csv_and_a_table() {
     let folder = tempfile::tempdir().unwrap();
     let words = ["optics", "whole-milk", "--set", "fat=1.5", "--wavelengths", "400nm:700nm:25nm", "--format"];

@@ -60,7 +60,7 @@ pub enum JobError {
     #[error(transparent)]
     IndexFile(#[from] IndexFileError),
     /// A setting that means nothing here.
-    #[error("{name} takes {to}")]
+    #[error("{name} means nothing here; it belongs to {to}")]
     Belongs {
         /// The setting.
         name: &'static str,

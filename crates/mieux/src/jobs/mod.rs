@@ -39,7 +39,7 @@ pub use slab::{
     Answer, Backing, Case, LayerColour, Patch, PhaseName, Sample, Slab, SlabCompare, SlabCompareReport,
     SlabCompareSheet, SlabError, SlabLight, SlabReport, SlabSheet, Solver, Trial,
 };
-pub use substance::{SubstanceIndex, SubstanceReport, SubstanceSheet, format_range};
+pub use substance::{SubstanceIndex, SubstanceReport, SubstanceSheet, format_range, substances_json};
 
 /// Everything `mieux` can be asked to do.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

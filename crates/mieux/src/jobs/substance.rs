@@ -11,7 +11,7 @@ use mieux_io::table::Table;
 use mieux_optics::Complex64;
 use mieux_optics::medium::absorption_coefficient;
 use mieux_optics::spectrum::WavelengthGrid;
-use mieux_optics::substance::{Conditions, Dispersion, Substance, SubstanceEntry, SubstanceError};
+use mieux_optics::substance::{Conditions, Dispersion, Solute, Substance, SubstanceEntry, SubstanceError};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -102,7 +102,11 @@ impl SubstanceIndex {
                 let page = database.find(page)?;
                 self.dispersive(format!("{}: {}", page.name, page.title), database.read(page)?)
             }
-            _ => Err(Self::only("substance", "one source: a name, a file, or a database with a page")),
+            _ => Err(JobError::Value {
+                name: "substance",
+                value: "given several times or not at all".into(),
+                allowed: "one of a name, a file, and a database with a page",
+            }),
         }
     }
 
@@ -242,6 +246,10 @@ impl SubstanceSheet {
         let x = if last > 5.0 * first { Scale::Log } else { Scale::Linear };
         let absorbs = self.index.iter().any(|n| n.im > 0.0);
         let y = if absorbs { Scale::Log } else { Scale::Linear };
+        // Logarithmic axes end at 1e-10, above what ice absorbs.
+        let faint = self.index.iter().any(|n| n.im > 0.0 && n.im < 1e-9);
+        let (label, scale) = if faint { ("Imaginary part k (10⁻⁹)", 1e9) } else { ("Imaginary part k", 1.0) };
+        let imaginary = self.imaginary().iter().map(|k| k * scale).collect();
         let panel = |title: &str, label: &str, y, values: Vec<f64>| {
             Panel::new(title, "Wavelength in vacuum (nm)", label)
                 .with_scales(x, y)
@@ -249,9 +257,29 @@ impl SubstanceSheet {
         };
         Figure::new(&self.title, 2)
             .with_panel(panel("Refraction", "Real part n", Scale::Linear, self.real()))
-            .with_panel(panel("Absorption", "Imaginary part k", y, self.imaginary()))
+            .with_panel(panel("Absorption", label, y, imaginary))
             .with_panel(panel("Absorption coefficient", "4πk/λ (1/m)", y, self.absorption()))
     }
+}
+
+/// The substances and solutes that are known, as JSON.
+pub fn substances_json() -> serde_json::Value {
+    let nm = |wavelength_m: f64| (wavelength_m * 1e15).round() / 1e6;
+    let entries: Vec<_> = SubstanceEntry::ALL
+        .iter()
+        .map(|entry| {
+            let range = entry.substance(entry.typical()).ok().and_then(|substance| substance.wavelength_range());
+            json!({
+                "name": entry.name,
+                "about": entry.about,
+                "wavelength_nm": range.map(|(first, last)| [nm(first), nm(last)]),
+                "temperature_degC": entry.temperature,
+                "salinity_g_per_kg": entry.salinity,
+                "sources": entry.sources,
+            })
+        })
+        .collect();
+    json!({ "substances": entries, "solutes": Solute::NAMES })
 }
 
 /// Two wavelengths (m) in the unit that suits the first.
