@@ -171,6 +171,23 @@ impl<S: Simd> Cholesky<S> {
         (Self(a), least)
     }
 
+    /// The diagonal of the factor itself.
+    #[inline(always)]
+    pub fn diagonal(&self, i: usize) -> Re<S> {
+        let inverse = self.0.row(i)[i];
+        let zero = inverse.same(0.0);
+        zero.if_less(inverse, inverse.max(inverse.same(1e-300)).recip(), zero)
+    }
+
+    /// The factor with its own diagonal instead of the inverses.
+    #[inline(always)]
+    pub fn into_factor(mut self) -> Matrix<S> {
+        for i in 0..self.0.columns {
+            self.0.row_mut(i)[i] = self.diagonal(i);
+        }
+        self.0
+    }
+
     /// Solves `L x = b` in place.
     #[inline(always)]
     pub fn solve_lower(&self, x: &mut [Re<S>], zero: Re<S>) {

@@ -110,9 +110,9 @@ impl Question<'_> {
 /// The flux of the streams: down (`sign` 1) or up (-1).
 #[inline(always)]
 pub(super) fn flux<S: Simd>(simd: S, table: &Table<S>, level: &Level<S>, sign: f64) -> LaneArray {
-    let roots = table.root_fluxes();
+    let roots = &table.root_fluxes;
     let zero = Re::splat(simd, 0.0);
-    let sum = Re::splat(simd, sign).mul_add(dot(&roots, &level.d, zero), dot(&roots, &level.s, zero));
+    let sum = Re::splat(simd, sign).mul_add(dot(roots, &level.d, zero), dot(roots, &level.s, zero));
     (sum * Re::splat(simd, PI)).lanes()
 }
 

@@ -219,7 +219,7 @@ impl<'a, S: Simd> Sweep<'a, S> {
         let zero = Re::splat(simd, 0.0);
         let (z, e) = (&self.from_all.0, &self.from_all.1[index]);
         let falling = self.lanes.gather(simd, |plan, m| basic(drive.above, m, plan.media[plan.above].index));
-        let mut s = table.root_fluxes();
+        let mut s = table.root_fluxes.clone();
         for (s, e) in s.iter_mut().zip(e) {
             *s = (falling + falling).mul_add(*s, zero - *e);
         }
@@ -288,8 +288,8 @@ fn ground<S: Simd>(
         Ground::Lambertian(share) if m == 0 => share,
         _ => 0.0,
     });
-    let roots = table.root_fluxes();
-    let square = dot(&roots, &roots, zero);
+    let roots = &table.root_fluxes;
+    let square = dot(roots, roots, zero);
     let one = Re::splat(simd, 1.0);
     let mixing = (diffuse + diffuse) / ((one + diffuse) * square);
     let mut z = Matrix::zeros(simd, n, n);
