@@ -143,7 +143,7 @@ fn rate<S: Simd>(simd: S, plans: &[&Plan; MAX_LANES], layer: usize, table: &Tabl
         let mut lanes = [0.0; MAX_LANES];
         for (lane, out) in lanes.iter_mut().enumerate() {
             let (scaled, degree) = (&plans[lane].layers[layer], 2 * j + parity);
-            *out = scaled.moments.get(degree).map_or(0.0, |chi| scaled.albedo * (2 * degree + 1) as f64 * chi);
+            *out = scaled.strength(degree);
         }
         strength.push(Re::load(simd, &lanes));
     }

@@ -109,7 +109,7 @@ pub(super) fn cross<S: Simd>(
     let common = above.min(z.columns);
     let mut resistances = Vec::with_capacity(common);
     for i in 0..common {
-        let share = |plan: &Plan, _: usize| plan.planes[plane].resistance.as_ref().map_or(0.0, |r| r[i]);
+        let share = |plan: &Plan, _: usize| plan.frame.planes[plane].resistance.as_ref().map_or(0.0, |r| r[i]);
         resistances.push(lanes.gather(simd, share));
     }
     let ((admittance, from_below), trapped) =

@@ -131,13 +131,13 @@ impl<'a, S: Simd> Sweep<'a, S> {
     fn ascend(simd: S, lanes: &'a Lanes<'a>, tables: &'a [Table<S>], drives: &'a [Drive], cuts: &[Vec<Re<S>>]) -> Self {
         let beams: Vec<Vec<Option<BeamLine>>> = drives.iter().map(|drive| beam_lines::<S>(lanes, drive)).collect();
         let first = lanes.plans[0];
-        let (mut z, mut e) = ground(simd, lanes, &tables[first.below], drives, &beams);
+        let (mut z, mut e) = ground(simd, lanes, &tables[first.frame.below], drives, &beams);
         let count = first.layers.len();
         let mut slices: Vec<Slice<S>> = Vec::with_capacity(count);
         let mut crossings: Vec<Option<Crossing<S>>> = Vec::with_capacity(count + 1);
         for j in (0..=count).rev() {
-            let above = if j == 0 { first.above } else { first.layers[j - 1].medium };
-            crossings.push(if first.planes[j].resistance.is_some() {
+            let above = if j == 0 { first.frame.above } else { first.layers[j - 1].medium };
+            crossings.push(if first.frame.planes[j].resistance.is_some() {
                 let count = tables[above].cosines.len();
                 let crossing = step(
                     simd,
@@ -185,7 +185,7 @@ impl<'a, S: Simd> Sweep<'a, S> {
         let zero = Re::splat(simd, 0.0);
         let mut answer = Answer { above: Vec::new(), below: Vec::new(), ends: Vec::with_capacity(self.drives.len()) };
         for (index, drive) in self.drives.iter().enumerate() {
-            let table = &self.tables[self.lanes.plans[0].above];
+            let table = &self.tables[self.lanes.plans[0].frame.above];
             let mut level = self.enter(index, drive, table);
             answer.above.push(level.clone());
             let mut layers = Vec::with_capacity(self.slices.len());
@@ -218,7 +218,8 @@ impl<'a, S: Simd> Sweep<'a, S> {
         let simd = self.simd;
         let zero = Re::splat(simd, 0.0);
         let (z, e) = (&self.from_all.0, &self.from_all.1[index]);
-        let falling = self.lanes.gather(simd, |plan, m| basic(drive.above, m, plan.media[plan.above].index));
+        let falling =
+            self.lanes.gather(simd, |plan, m| basic(drive.above, m, plan.frame.media[plan.frame.above].index));
         let mut s = table.root_fluxes.clone();
         for (s, e) in s.iter_mut().zip(e) {
             *s = (falling + falling).mul_add(*s, zero - *e);
@@ -248,15 +249,15 @@ pub(super) fn tables<S: Simd>(simd: S, lanes: &Lanes) -> Vec<Table<S>> {
 fn make_tables<S: Simd>(simd: S, lanes: &Lanes) -> Vec<Table<S>> {
     let first = lanes.plans[0];
     let least = lanes.orders.iter().min().copied().unwrap_or(0);
-    let mut tables = Vec::with_capacity(first.media.len());
-    for medium in 0..first.media.len() {
-        let count = first.media[medium].streams.len();
+    let mut tables = Vec::with_capacity(first.frame.media.len());
+    for medium in 0..first.frame.media.len() {
+        let count = first.frame.media[medium].streams.len();
         let (mut cosines, mut weights) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for i in 0..count {
-            cosines.push(lanes.gather(simd, |plan, _| plan.media[medium].streams[i].cosine));
-            weights.push(lanes.gather(simd, |plan, _| plan.media[medium].streams[i].weight));
+            cosines.push(lanes.gather(simd, |plan, _| plan.frame.media[medium].streams[i].cosine));
+            weights.push(lanes.gather(simd, |plan, _| plan.frame.media[medium].streams[i].weight));
         }
-        let index = lanes.gather(simd, |plan, _| plan.media[medium].index);
+        let index = lanes.gather(simd, |plan, _| plan.frame.media[medium].index);
         let degrees = (2 * count).saturating_sub(least).max(1);
         tables.push(Table::new(simd, cosines, weights, index, lanes.orders, degrees));
     }
@@ -305,7 +306,7 @@ fn ground<S: Simd>(
         let rising = lanes.gather(simd, |plan, m| {
             let beam = beams[lane].as_ref().map_or(0.0, |beam| beam.on_ground);
             lane += 1;
-            let index = plan.media[plan.below].index;
+            let index = plan.frame.media[plan.frame.below].index;
             let from_beam = match plan.stack.ground {
                 Ground::Lambertian(share) => basic(share * beam / std::f64::consts::PI, m, index),
                 _ => 0.0,
@@ -335,7 +336,7 @@ fn slice<S: Simd>(
         strength.push(lanes.gather(simd, |plan, m| {
             let scaled = &plan.layers[layer];
             let degree = m + j;
-            scaled.moments.get(degree).map_or(0.0, |chi| scaled.albedo * (2 * degree + 1) as f64 * chi)
+            scaled.strength(degree)
         }));
     }
     let loss = lanes.gather(simd, |plan, _| plan.layers[layer].loss);
