@@ -4,12 +4,14 @@ use std::f64::consts::PI;
 
 use pulp::Simd;
 
-use super::algebra::{eliminate, symmetric_product_into};
+use super::algebra::eliminate;
 use super::layer::Slab;
 use super::table::Table;
 use crate::lanes::{LaneArray, MAX_LANES, Re};
 use crate::transfer::Ground;
-use crate::transfer::discrete_ordinates::matrix::{Matrix, add_scaled, dot, multiply, product, scale};
+use crate::transfer::discrete_ordinates::matrix::{
+    Matrix, add_scaled, dot, multiply, product, scale, symmetric_product_into,
+};
 use crate::transfer::discrete_ordinates::plan::Plan;
 
 /// What all that lies below some level does to light: amplitudes of streams.

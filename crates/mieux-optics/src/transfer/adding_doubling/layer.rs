@@ -18,10 +18,12 @@
 
 use pulp::Simd;
 
-use super::algebra::{reflect_both_sides, solve_rows, solve_rows_lower, symmetric_product_into};
+use super::algebra::{reflect_both_sides, solve_rows, solve_rows_lower};
 use super::table::Table;
 use crate::lanes::{LaneArray, MAX_LANES, Re};
-use crate::transfer::discrete_ordinates::matrix::{Cholesky, Matrix, dot, multiply, product, scale};
+use crate::transfer::discrete_ordinates::matrix::{
+    Cholesky, Matrix, dot, multiply, product, scale, symmetric_product_into,
+};
 use crate::transfer::discrete_ordinates::plan::Plan;
 
 /// What a layer reflects and transmits: amplitudes of streams, symmetric, and the same from both sides.

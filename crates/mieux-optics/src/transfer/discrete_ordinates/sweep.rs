@@ -14,7 +14,9 @@ use super::crossing::{Crossing, Series, cross};
 use super::depth::Passage;
 use super::drivers::{Extent, LayerDrive, lanewise};
 use super::legendre::Orders;
-use super::matrix::{Matrix, add_scaled, apply, apply_add, dot, product, scale, symmetric_product};
+use super::matrix::{
+    Cholesky, Matrix, add_product, add_scaled, apply, apply_add, dot, product, scale, symmetric_product_into,
+};
 use super::modes::{Modes, Table};
 use super::plan::Plan;
 use crate::lanes::{MAX_LANES, Re, step};
@@ -104,7 +106,8 @@ pub(super) struct Sweep<'a, S: Simd> {
     pub tables: &'a [Table<S>],
     pub slices: Vec<Slice<S>>,
     crossings: Vec<Option<Crossing<S>>>,
-    top: Series<S>,
+    /// The factor of `1 + Z` above the first plane.
+    top: Cholesky<S>,
     /// Admittance and sources just above the first plane.
     from_all: Answering<S>,
 }
@@ -164,8 +167,12 @@ impl<'a, S: Simd> Sweep<'a, S> {
         }
         slices.reverse();
         crossings.reverse();
-        let open = vec![Re::splat(simd, 1.0); z.columns];
-        let top = Series::new(simd, &z, &open);
+        let mut open = z.clone();
+        for i in 0..z.columns {
+            let value = open.row(i)[i] + Re::splat(simd, 1.0);
+            open.row_mut(i)[i] = value;
+        }
+        let (top, _) = Cholesky::new(simd, open);
         Self { simd, lanes, drives, beams, tables, slices, crossings, top, from_all: (z, e) }
     }
 
@@ -224,7 +231,7 @@ impl<'a, S: Simd> Sweep<'a, S> {
         for (s, e) in s.iter_mut().zip(e) {
             *s = (falling + falling).mul_add(*s, zero - *e);
         }
-        self.top.divide(simd, &mut s);
+        self.top.solve(&mut s, zero);
         let d = apply_add(z, &s, e, zero);
         Level { s, d }
     }
@@ -351,13 +358,19 @@ fn slice<S: Simd>(
 impl<S: Simd> Slice<S> {
     /// From the bottom of the layer to its top: the admittance and sources there.
     #[inline(always)]
-    fn climb(&mut self, simd: S, whole: Re<S>, cuts: &[Re<S>], z: Matrix<S>, e: Vec<Vec<Re<S>>>) -> Answering<S> {
+    fn climb(
+        &mut self,
+        simd: S,
+        whole: Re<S>,
+        cuts: &[Re<S>],
+        mut z: Matrix<S>,
+        mut e: Vec<Vec<Re<S>>>,
+    ) -> Answering<S> {
         let zero = Re::splat(simd, 0.0);
         let modes = &self.modes;
         // Z is symmetric: so is what it becomes in modes.
-        let half = product(simd, &modes.x, &z);
-        let mut z = symmetric_product(simd, &half, &modes.x);
-        let mut e = e;
+        let mut half = product(simd, &modes.x, &z);
+        symmetric_product_into(&half, &modes.x, zero, &mut z);
         for e in &mut e {
             *e = apply(&modes.x, e, zero);
         }
@@ -384,25 +397,26 @@ impl<S: Simd> Slice<S> {
             self.pieces.push(piece);
         }
         self.pieces.reverse();
-        let half = product(simd, &z, &modes.y);
-        let n = modes.y.columns;
-        let mut through = Matrix::zeros(simd, n, n);
+        half.data.fill(zero);
+        add_product(&z, &modes.y, &mut half);
+        z.data.fill(zero);
+        let n = z.columns;
         for k in 0..n {
             for i in 0..n {
                 let weight = modes.y.row(k)[i];
                 // The lower half; the rest is its mirror image.
-                add_scaled(&mut through.row_mut(i)[..=i], weight, half.row(k));
+                add_scaled(&mut z.row_mut(i)[..=i], weight, half.row(k));
             }
         }
         for i in 0..n {
             for j in 0..i {
-                through.data[j * n + i] = through.data[i * n + j];
+                z.data[j * n + i] = z.data[i * n + j];
             }
         }
         for e in &mut e {
             *e = modes.combine(simd, &modes.y, e);
         }
-        (through, e)
+        (z, e)
     }
 }
 
@@ -421,19 +435,11 @@ fn piece<S: Simd>(
         resistances.push(lanewise::<S>(simd, |lane| passage[lane].resistance));
         sech.push(lanewise::<S>(simd, |lane| passage[lane].sech));
     }
-    let series = Series::new(simd, &z, &resistances);
-    let mut up = Matrix::zeros(simd, n, n);
-    for i in 0..n {
-        for j in 0..n {
-            up.data[i * n + j] = series.admittance.data[i * n + j] * sech[i] * sech[j];
-        }
-        let k = modes.k[i];
-        up.data[i * n + i] = (k * k).mul_add(resistances[i], up.data[i * n + i]);
-    }
+    let (series, mut answer) = Series::new(simd, &z, &resistances);
     let mut from_all = Vec::with_capacity(e.len());
     let mut driven = Vec::with_capacity(e.len());
     for (e, [u, w]) in e.iter().zip(own) {
-        let carried = series.carry(simd, e, Some(&u));
+        let carried = series.carry(simd, &answer, e, Some(&u));
         let mut up = w;
         for i in 0..n {
             up[i] = sech[i].mul_add(carried[i], up[i]);
@@ -441,7 +447,14 @@ fn piece<S: Simd>(
         from_all.push(up);
         driven.push(u);
     }
-    (Piece { series, below: z, sech, from_below: e, own: driven }, (up, from_all))
+    for i in 0..n {
+        for j in 0..n {
+            answer.data[i * n + j] = answer.data[i * n + j] * sech[i] * sech[j];
+        }
+        let k = modes.k[i];
+        answer.data[i * n + i] = (k * k).mul_add(resistances[i], answer.data[i * n + i]);
+    }
+    (Piece { series, below: z, sech, from_below: e, own: driven }, (answer, from_all))
 }
 
 impl<S: Simd> Piece<S> {
