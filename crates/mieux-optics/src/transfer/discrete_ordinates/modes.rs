@@ -20,6 +20,8 @@ use crate::lanes::{LaneArray, Re, step};
 /// What the streams of a medium are, and the Legendre functions at them.
 pub(super) struct Table<S: Simd> {
     pub cosines: Vec<Re<S>>,
+    /// Square roots of the cosines.
+    roots: Vec<Re<S>>,
     pub weights: Vec<Re<S>>,
     pub index: Re<S>,
     /// `sqrt(w) L_j(mu)`: a row a stream, a column a degree `l - m`.
@@ -91,12 +93,14 @@ impl<S: Simd> Table<S> {
             even.row_mut(i)[0] = if i == 0 { value + axial } else { value };
         }
         let halves = [even, every_second(&functions, 1)];
-        let mut root_fluxes = Vec::with_capacity(n);
+        let (mut roots, mut root_fluxes) = (Vec::with_capacity(n), Vec::with_capacity(n));
         for (cosine, weight) in cosines.iter().zip(&weights) {
+            roots.push(cosine.sqrt());
             root_fluxes.push(index * (*weight * *cosine).sqrt());
         }
         Self {
             cosines,
+            roots,
             weights,
             index,
             functions,
@@ -175,7 +179,9 @@ impl<S: Simd> Modes<S> {
             }
         }
         let k = orthogonalise(simd, &mut g, &mut x);
-        let y = conjugate(simd, table, &odd, &x);
+        let mut y = g;
+        y.data.copy_from_slice(&x.data);
+        conjugate(simd, table, &odd, &mut y);
         Self { x, y, k, strength, least: least_odd.if_less(least_even, least_odd, least_even) }
     }
 
@@ -209,7 +215,7 @@ impl<S: Simd> Modes<S> {
                     sums[parity] = functions[parity].mul_add(there[parity], sums[parity]);
                 }
             }
-            let scale = Re::splat(simd, 1.0) / (table.cosines[i].sqrt() * table.index);
+            let scale = Re::splat(simd, 1.0) / (table.roots[i] * table.index);
             *even = sums[0] * scale;
             *odd = sums[1] * scale;
         }
@@ -259,22 +265,16 @@ fn reflect<S: Simd>((mirror, twice): &(Vec<Re<S>>, Re<S>), a: &mut Matrix<S>, ze
     }
 }
 
-/// `Y = A^-1 X = M^1/2 O^-1 M^1/2 X`, mode by mode.
+/// From `X` to `Y = A^-1 X = M^1/2 O^-1 M^1/2 X`, mode by mode.
 #[inline(always)]
-fn conjugate<S: Simd>(simd: S, table: &Table<S>, odd: &Cholesky<S>, x: &Matrix<S>) -> Matrix<S> {
+fn conjugate<S: Simd>(simd: S, table: &Table<S>, odd: &Cholesky<S>, modes: &mut Matrix<S>) {
     let zero = Re::splat(simd, 0.0);
-    let mut roots = table.cosines.clone();
-    for root in &mut roots {
-        *root = root.sqrt();
-    }
-    let mut y = x.clone();
-    for k in 0..y.rows() {
-        let row = y.row_mut(k);
-        multiply(row, &roots);
+    for k in 0..modes.rows() {
+        let row = modes.row_mut(k);
+        multiply(row, &table.roots);
         odd.solve(row, zero);
-        multiply(row, &roots);
+        multiply(row, &table.roots);
     }
-    y
 }
 
 /// Two rows are orthogonal when their cosine is smaller than this.
@@ -298,6 +298,7 @@ fn orthogonalise<S: Simd>(simd: S, g: &mut Matrix<S>, x: &mut Matrix<S>) -> Vec<
     let mut turns: Vec<Turn<S>> = Vec::with_capacity(n / 2);
     // With an odd number one row rests in each round.
     let others = 2 * n.div_ceil(2) - 1;
+    let around = |k: usize| if k < others { k } else { k - others };
     for _ in 0..MAX_SWEEPS {
         let mut greatest = zero;
         for (k, square) in squares.iter_mut().enumerate() {
@@ -308,8 +309,8 @@ fn orthogonalise<S: Simd>(simd: S, g: &mut Matrix<S>, x: &mut Matrix<S>) -> Vec<
         let mut turned = false;
         for round in 0..others {
             for k in 0..=others / 2 {
-                let first = if k == 0 { others } else { (round + k) % others };
-                let second = (round + others - k) % others;
+                let first = if k == 0 { others } else { around(round + k) };
+                let second = around(round + others - k);
                 let (p, q) = if first < second { (first, second) } else { (second, first) };
                 if q < n {
                     let gamma = dot(g.row(p), g.row(q), zero);

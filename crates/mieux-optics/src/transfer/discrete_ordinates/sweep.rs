@@ -38,9 +38,6 @@ pub(super) struct Drive {
 /// What lies below a plane: its admittance, and for each drive what comes from there.
 pub(super) type Answering<S> = (Matrix<S>, Vec<Vec<Re<S>>>);
 
-/// How one mode passes through a piece, in every lane.
-pub(super) type Passages = [Passage; MAX_LANES];
-
 /// One problem per lane: stacks of one shape, each with an order of the expansion in azimuth.
 pub(super) struct Lanes<'a> {
     pub plans: [&'a Plan<'a>; MAX_LANES],
@@ -352,7 +349,7 @@ fn slice<S: Simd>(
     for (drive, lines) in drives.iter().zip(beams) {
         own.push(LayerDrive::new(simd, lanes, layer, (table, &modes), drive, lines));
     }
-    Slice { modes, pieces: Vec::new(), drives: own }
+    Slice { modes, pieces: Vec::with_capacity(1), drives: own }
 }
 
 impl<S: Simd> Slice<S> {
@@ -377,15 +374,9 @@ impl<S: Simd> Slice<S> {
         let ends: Vec<Re<S>> = [zero].iter().chain(cuts).chain([&whole]).copied().collect();
         for pair in ends.windows(2).rev() {
             let (top, thickness) = (pair[0], pair[1] - pair[0]);
-            let mut passages: Vec<Passages> = Vec::with_capacity(modes.k.len());
-            let t = thickness.lanes();
+            let mut passages = Vec::with_capacity(modes.k.len());
             for k in &modes.k {
-                let k = k.lanes();
-                let mut passage = [Passage::default(); MAX_LANES];
-                for (lane, passage) in passage[..S::F64_LANES].iter_mut().enumerate() {
-                    *passage = Passage::new(k[lane], t[lane]);
-                }
-                passages.push(passage);
+                passages.push(Passage::new(simd, *k, thickness));
             }
             let extent = Extent { top, thickness, whole };
             let mut own = Vec::with_capacity(self.drives.len());
@@ -424,7 +415,7 @@ impl<S: Simd> Slice<S> {
 fn piece<S: Simd>(
     simd: S,
     modes: &Modes<S>,
-    passages: &[Passages],
+    passages: &[Passage<S>],
     z: Matrix<S>,
     e: Vec<Vec<Re<S>>>,
     own: Vec<[Vec<Re<S>>; 2]>,
@@ -432,8 +423,8 @@ fn piece<S: Simd>(
     let n = z.columns;
     let (mut resistances, mut sech) = (Vec::with_capacity(n), Vec::with_capacity(n));
     for passage in passages {
-        resistances.push(lanewise::<S>(simd, |lane| passage[lane].resistance));
-        sech.push(lanewise::<S>(simd, |lane| passage[lane].sech));
+        resistances.push(passage.resistance);
+        sech.push(passage.sech);
     }
     let (series, mut answer) = Series::new(simd, &z, &resistances);
     let mut from_all = Vec::with_capacity(e.len());
