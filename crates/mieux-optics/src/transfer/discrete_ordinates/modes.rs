@@ -155,8 +155,8 @@ impl<S: Simd> Modes<S> {
         let n = table.cosines.len();
         let one = Re::splat(simd, 1.0);
         let [even, odd] = &table.halves;
-        let (odd, least_odd) = Cholesky::new(simd, remainder(simd, odd, &strength, 1));
-        let mut even = remainder(simd, even, &strength, 0);
+        let (odd, least_odd) = Cholesky::new(simd, remainder(simd, n, odd, &strength, 1));
+        let mut even = remainder(simd, n, even, &strength, 0);
         even.data[0] = even.data[0] + table.axial * (loss - even.data[0]);
         let lossless = Re::splat(simd, 1e-15);
         let (even, mut least_even) = Cholesky::new(simd, even);
@@ -233,10 +233,9 @@ impl<S: Simd> Modes<S> {
     }
 }
 
-/// The lower half of `1 - sum_j c_j p_j p_j^T` over degrees of one parity.
+/// The lower half of `1 - sum_j c_j p_j p_j^T`, for `n` streams, over degrees of one parity (of which there may be none).
 #[inline(always)]
-fn remainder<S: Simd>(simd: S, functions: &Matrix<S>, strength: &[Re<S>], parity: usize) -> Matrix<S> {
-    let n = functions.rows();
+fn remainder<S: Simd>(simd: S, n: usize, functions: &Matrix<S>, strength: &[Re<S>], parity: usize) -> Matrix<S> {
     let (zero, one) = (Re::splat(simd, 0.0), Re::splat(simd, 1.0));
     let mut weighted = vec![zero; functions.columns];
     let mut matrix = Matrix::zeros(simd, n, n);
