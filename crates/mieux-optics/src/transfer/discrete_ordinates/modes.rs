@@ -28,6 +28,8 @@ pub(super) struct Table<S: Simd> {
     pub functions: Matrix<S>,
     /// Those of even degree, reflected so that the constant one is the first axis (in lanes of order 0), and those of odd.
     halves: [Matrix<S>; 2],
+    /// The pairs of modes, round by round.
+    tournament: Vec<[usize; 2]>,
     /// The square root of the flux, over pi, of each stream if its basic radiance is 1: `n sqrt(w mu)`.
     pub root_fluxes: Vec<Re<S>>,
     pub recurrence: Recurrence<S>,
@@ -105,6 +107,7 @@ impl<S: Simd> Table<S> {
             index,
             functions,
             halves,
+            tournament: tournament(n),
             root_fluxes,
             recurrence,
             reflector,
@@ -178,7 +181,7 @@ impl<S: Simd> Modes<S> {
                 add_scaled(g.row_mut(k), scaled, right.row(i));
             }
         }
-        let k = orthogonalise(simd, &mut g, &mut x);
+        let k = orthogonalise(simd, &table.tournament, &mut g, &mut x);
         let mut y = g;
         y.data.copy_from_slice(&x.data);
         conjugate(simd, table, &odd, &mut y);
@@ -286,18 +289,19 @@ const VANISHED: f64 = 1e-15;
 const MAX_SWEEPS: usize = 16;
 
 /// Rotates pairs of rows of `g`, and of `x` alike, until the rows of `g` are orthogonal; gives their lengths.
-///
-/// Pairs come in the order of a tournament: neighbours have no row in common, so that one need not wait for another.
 #[inline(always)]
-fn orthogonalise<S: Simd>(simd: S, g: &mut Matrix<S>, x: &mut Matrix<S>) -> Vec<Re<S>> {
+fn orthogonalise<S: Simd>(
+    simd: S,
+    tournament: &[[usize; 2]],
+    g: &mut Matrix<S>,
+    x: &mut Matrix<S>,
+) -> Vec<Re<S>> {
     let n = g.rows();
     let splat = |value: f64| Re::splat(simd, value);
     let zero = splat(0.0);
     let mut squares = vec![zero; n];
-    let mut turns: Vec<Turn<S>> = Vec::with_capacity(n / 2);
-    // With an odd number one row rests in each round.
-    let others = 2 * n.div_ceil(2) - 1;
-    let around = |k: usize| if k < others { k } else { k - others };
+    let abreast = (n / 2).max(1);
+    let mut turns: Vec<Turn<S>> = Vec::with_capacity(abreast);
     for _ in 0..MAX_SWEEPS {
         let mut greatest = zero;
         for (k, square) in squares.iter_mut().enumerate() {
@@ -306,15 +310,10 @@ fn orthogonalise<S: Simd>(simd: S, g: &mut Matrix<S>, x: &mut Matrix<S>) -> Vec<
         }
         let floor = greatest * splat(VANISHED * VANISHED);
         let mut turned = false;
-        for round in 0..others {
-            for k in 0..=others / 2 {
-                let first = if k == 0 { others } else { around(round + k) };
-                let second = around(round + others - k);
-                let (p, q) = if first < second { (first, second) } else { (second, first) };
-                if q < n {
-                    let gamma = dot(g.row(p), g.row(q), zero);
-                    turns.extend(Turn::needed(simd, &squares, [p, q], gamma, floor));
-                }
+        for round in tournament.chunks(abreast) {
+            for rows in round {
+                let gamma = dot(g.row(rows[0]), g.row(rows[1]), zero);
+                turns.extend(Turn::needed(simd, &squares, *rows, gamma, floor));
             }
             turned |= !turns.is_empty();
             for turn in &mut turns {
@@ -333,6 +332,20 @@ fn orthogonalise<S: Simd>(simd: S, g: &mut Matrix<S>, x: &mut Matrix<S>) -> Vec<
         *square = dot(g.row(k), g.row(k), zero).sqrt();
     }
     squares
+}
+
+/// All pairs of `n` rows, the lesser first, in the order of a tournament: the `n / 2` of a round have no row in common, so
+/// that one need not wait for another.
+fn tournament(n: usize) -> Vec<[usize; 2]> {
+    // With an odd number one row rests in each round.
+    let others = 2 * n.div_ceil(2) - 1;
+    let pair = |round: usize, k: usize| {
+        let first = if k == 0 { others } else { (round + k) % others };
+        let second = (round + others - k) % others;
+        [first.min(second), first.max(second)]
+    };
+    let all = (0..others).flat_map(|round| (0..=others / 2).map(move |k| pair(round, k)));
+    all.filter(|[_, last]| *last < n).collect()
 }
 
 /// A rotation of two rows that makes them orthogonal.
