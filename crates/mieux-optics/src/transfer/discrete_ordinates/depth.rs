@@ -4,7 +4,7 @@ use std::f64::consts::LOG2_E;
 
 use pulp::Simd;
 
-use crate::lanes::{MAX_LANES, Re};
+use crate::lanes::Re;
 
 /// What is left and what is gone, `exp(-x)` and `1 - exp(-x)`, both with all their digits.
 #[derive(Clone, Copy)]

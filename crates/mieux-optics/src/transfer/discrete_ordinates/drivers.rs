@@ -8,7 +8,7 @@ use super::matrix::apply;
 use super::modes::{Modes, Table};
 use super::plan::Plan;
 use super::sweep::{Drive, Lanes};
-use crate::lanes::{LaneArray, MAX_LANES, Re};
+use crate::lanes::{MAX_LANES, Re};
 
 /// How one drive acts in a layer.
 pub(super) struct LayerDrive<S: Simd> {

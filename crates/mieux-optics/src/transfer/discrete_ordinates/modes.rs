@@ -290,12 +290,7 @@ const MAX_SWEEPS: usize = 16;
 
 /// Rotates pairs of rows of `g`, and of `x` alike, until the rows of `g` are orthogonal; gives their lengths.
 #[inline(always)]
-fn orthogonalise<S: Simd>(
-    simd: S,
-    tournament: &[[usize; 2]],
-    g: &mut Matrix<S>,
-    x: &mut Matrix<S>,
-) -> Vec<Re<S>> {
+fn orthogonalise<S: Simd>(simd: S, tournament: &[[usize; 2]], g: &mut Matrix<S>, x: &mut Matrix<S>) -> Vec<Re<S>> {
     let n = g.rows();
     let splat = |value: f64| Re::splat(simd, value);
     let zero = splat(0.0);

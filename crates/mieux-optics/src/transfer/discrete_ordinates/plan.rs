@@ -16,7 +16,7 @@ pub(in crate::transfer) struct Plan<'a> {
     pub layers: Vec<Scaled<'a>>,
 }
 
-/// What of a plan follows from the number of streams and the refractive indices alone.
+/// What of a plan follows from the number of streams, the refractive indices, and which layers are active.
 #[derive(Debug)]
 pub(in crate::transfer) struct Frame {
     /// The different refractive indices, each with its streams; more streams the greater the index.
@@ -40,7 +40,7 @@ pub(in crate::transfer) struct Medium {
     degrees: usize,
 }
 
-/// How many Legendre functions streams can tell apart: as many as there are streams in both hemispheres, or fewer where
+/// How many Legendre functions streams under refraction can tell apart: as many as there are in both hemispheres, or fewer where
 /// refraction leaves wider gaps between them than a Gauss rule has.
 fn resolved_degrees(streams: &[Stream]) -> usize {
     use std::f64::consts::PI;
@@ -84,21 +84,22 @@ impl Frame {
     /// Of a checked stack.
     pub fn new(streams: usize, stack: &Stack) -> Self {
         let nodes = Streams::new(streams, stack);
+        let outside = [stack.above, stack.below];
+        let one_index =
+            stack.layers.iter().map(|layer| layer.refractive_index).chain(outside).all(|n| n == stack.above);
         let mut media: Vec<Medium> = Vec::new();
         let mut place = |index: f64| {
             let known = media.iter().position(|medium| medium.index == index);
             known.unwrap_or_else(|| {
                 let streams = nodes.within(index);
-                media.push(Medium { index, degrees: resolved_degrees(&streams), streams });
+                let degrees = if one_index { 2 * streams.len() } else { resolved_degrees(&streams) };
+                media.push(Medium { index, streams, degrees });
                 media.len() - 1
             })
         };
         let above = place(stack.above);
         let homes: Vec<usize> = stack.layers.iter().map(|layer| place(layer.refractive_index)).collect();
         let below = place(stack.below);
-        if let [only] = &mut media[..] {
-            only.degrees = 2 * only.streams.len();
-        }
         let path: Vec<usize> = [above].into_iter().chain(homes.iter().copied()).chain([below]).collect();
         let planes = path.windows(2).map(|pair| plane(&media[pair[0]], &media[pair[1]])).collect();
         Self { media, above, below, homes, planes, greatest: greatest_index(stack) }
@@ -148,7 +149,7 @@ impl<'a> Plan<'a> {
     pub fn is_like(&self, other: &Self) -> bool {
         let (one, two) = (&*self.frame, &*other.frame);
         let mut media = one.media.iter().zip(&two.media);
-        Rc::ptr_eq(&self.frame, &other.frame)
+        std::ptr::eq(one, two)
             || (one.above, one.below, &one.homes, one.media.len())
                 == (two.above, two.below, &two.homes, two.media.len())
                 && media.all(|(one, two)| one.streams.len() == two.streams.len())
