@@ -93,12 +93,17 @@ pub(crate) fn refracted_cosine(cosine: f64, from: f64, to: f64) -> Option<f64> {
     (squared > 0.0).then(|| squared.sqrt() / to)
 }
 
-/// The different indices, ascending, up to the greatest that counts: panes denser than everything that scatters hold
-/// only trapped light, which nothing feeds.
+/// The greatest index that counts: panes denser than everything that scatters hold only trapped light, which nothing
+/// feeds.
+pub(crate) fn greatest_index(stack: &Stack) -> f64 {
+    let active = stack.layers.iter().filter(|layer| layer.is_active()).map(|layer| layer.refractive_index);
+    active.chain([stack.above, stack.below]).fold(0.0, f64::max)
+}
+
+/// The different indices, ascending, up to the greatest that counts.
 fn bounds(stack: &Stack) -> Vec<f64> {
     let outside = [stack.above, stack.below];
-    let active = stack.layers.iter().filter(|layer| layer.is_active()).map(|layer| layer.refractive_index);
-    let greatest = active.chain(outside).fold(0.0, f64::max);
+    let greatest = greatest_index(stack);
     let mut indices: Vec<f64> = stack.layers.iter().map(|layer| layer.refractive_index).chain(outside).collect();
     indices.retain(|n| *n <= greatest);
     indices.sort_by(f64::total_cmp);

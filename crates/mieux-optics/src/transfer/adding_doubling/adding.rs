@@ -4,12 +4,14 @@ use std::f64::consts::PI;
 
 use pulp::Simd;
 
-use super::algebra::{eliminate, symmetric_product_into};
+use super::algebra::eliminate;
 use super::layer::Slab;
 use super::table::Table;
 use crate::lanes::{LaneArray, MAX_LANES, Re};
 use crate::transfer::Ground;
-use crate::transfer::discrete_ordinates::matrix::{Matrix, add_scaled, dot, multiply, product, scale};
+use crate::transfer::discrete_ordinates::matrix::{
+    Matrix, add_scaled, dot, multiply, product, scale, symmetric_product_into,
+};
 use crate::transfer::discrete_ordinates::plan::Plan;
 
 /// What all that lies below some level does to light: amplitudes of streams.
@@ -29,14 +31,14 @@ impl<S: Simd> Total<S> {
     #[inline(always)]
     pub fn of(simd: S, plans: &[&Plan; MAX_LANES], beams: &[f64]) -> Self {
         let first = plans[0];
-        let mut tables = Vec::with_capacity(first.media.len());
-        for medium in 0..first.media.len() {
+        let mut tables = Vec::with_capacity(first.frame.media.len());
+        for medium in 0..first.frame.media.len() {
             tables.push(Table::new(simd, plans, medium, beams));
         }
-        let mut total = Self::ground(simd, plans, &tables[first.below]);
+        let mut total = Self::ground(simd, plans, &tables[first.frame.below]);
         for j in (0..=first.layers.len()).rev() {
-            let above = if j == 0 { first.above } else { first.layers[j - 1].medium };
-            if first.planes[j].resistance.is_some() {
+            let above = if j == 0 { first.frame.above } else { first.layers[j - 1].medium };
+            if first.frame.planes[j].resistance.is_some() {
                 total.cross(simd, plans, j, beams, &tables[above]);
             }
             if j > 0 {
@@ -141,9 +143,9 @@ impl<S: Simd> Total<S> {
         for (i, mirror) in mirrors.iter_mut().enumerate().take(common) {
             let lanes: LaneArray = std::array::from_fn(|lane| {
                 let plan = plans[lane];
-                let sides = &plan.planes[plane];
+                let sides = &plan.frame.planes[plane];
                 match beams.get(i) {
-                    Some(cosine) => sides.reflectance(*cosine, plan.media[plan.above].index),
+                    Some(cosine) => sides.reflectance(*cosine, plan.frame.media[plan.frame.above].index),
                     // From 2 R / (1 - R).
                     None => sides.resistance.as_ref().map_or(0.0, |r| {
                         let resistance = r[i - beams.len()];

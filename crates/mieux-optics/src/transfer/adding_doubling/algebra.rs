@@ -5,19 +5,6 @@ use pulp::Simd;
 use crate::lanes::Re;
 use crate::transfer::discrete_ordinates::matrix::{Cholesky, Matrix, dot, scale, subtract_scaled};
 
-/// `C = A B^T` in place of `out`, which the caller knows to be symmetric.
-#[inline(always)]
-pub(super) fn symmetric_product_into<S: Simd>(a: &Matrix<S>, b: &Matrix<S>, zero: Re<S>, out: &mut Matrix<S>) {
-    let n = out.columns;
-    for i in 0..n {
-        for j in 0..=i {
-            let value = dot(a.row(i), b.row(j), zero);
-            out.data[i * n + j] = value;
-            out.data[j * n + i] = value;
-        }
-    }
-}
-
 /// `H K H` in place, with `K` symmetric and `H = 1 - 2 v v^T / v^2`.
 #[inline(always)]
 pub(super) fn reflect_both_sides<S: Simd>(k: &mut Matrix<S>, v: &[Re<S>], zero: Re<S>) {

@@ -18,10 +18,12 @@
 
 use pulp::Simd;
 
-use super::algebra::{reflect_both_sides, solve_rows, solve_rows_lower, symmetric_product_into};
+use super::algebra::{reflect_both_sides, solve_rows, solve_rows_lower};
 use super::table::Table;
 use crate::lanes::{LaneArray, MAX_LANES, Re};
-use crate::transfer::discrete_ordinates::matrix::{Cholesky, Matrix, dot, multiply, product, scale};
+use crate::transfer::discrete_ordinates::matrix::{
+    Cholesky, Matrix, dot, multiply, product, scale, symmetric_product_into,
+};
 use crate::transfer::discrete_ordinates::plan::Plan;
 
 /// What a layer reflects and transmits: amplitudes of streams, symmetric, and the same from both sides.
@@ -143,7 +145,7 @@ fn rate<S: Simd>(simd: S, plans: &[&Plan; MAX_LANES], layer: usize, table: &Tabl
         let mut lanes = [0.0; MAX_LANES];
         for (lane, out) in lanes.iter_mut().enumerate() {
             let (scaled, degree) = (&plans[lane].layers[layer], 2 * j + parity);
-            *out = scaled.moments.get(degree).map_or(0.0, |chi| scaled.albedo * (2 * degree + 1) as f64 * chi);
+            *out = scaled.strength(degree);
         }
         strength.push(Re::load(simd, &lanes));
     }

@@ -14,7 +14,7 @@ mod table;
 
 use pulp::{Simd, WithSimd};
 
-use super::discrete_ordinates::plan::Plan;
+use super::discrete_ordinates::plan::{Plan, Planner};
 use super::discrete_ordinates::{check_cosine, shares::unscattered};
 use super::{Ground, Incidence, Shares, Stack, TransferError};
 use crate::lanes::MAX_LANES;
@@ -92,7 +92,8 @@ impl AddingDoubling {
                 beams.push(cosine.max(GRAZING));
             }
         }
-        let plans: Vec<Plan> = stacks.iter().map(|stack| Plan::new(stack, self.streams, self.cut_peak)).collect();
+        let mut planner = Planner::new(self.streams, self.cut_peak);
+        let plans: Vec<Plan> = stacks.iter().map(|stack| planner.plan(stack)).collect();
         let mut out = Vec::with_capacity(stacks.len());
         let mut first = 0;
         while first < plans.len() {

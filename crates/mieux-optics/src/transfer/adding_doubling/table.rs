@@ -40,29 +40,29 @@ impl<S: Simd> Table<S> {
     #[inline(always)]
     pub fn new(simd: S, plans: &[&Plan; MAX_LANES], medium: usize, beams: &[f64]) -> Self {
         let (zero, one) = (Re::splat(simd, 0.0), Re::splat(simd, 1.0));
-        let count = plans[0].media[medium].streams.len();
+        let count = plans[0].frame.media[medium].streams.len();
         let (mut cosines, mut weights) = (Vec::new(), Vec::new());
         // Where a beam does not enter, its stream is one that nothing reaches and that reaches nothing.
         let mut enters = Vec::new();
         for &cosine in beams {
             let inside = |lane: usize| {
                 let plan = plans[lane];
-                refracted_cosine(cosine, plan.media[plan.above].index, plan.media[medium].index)
+                refracted_cosine(cosine, plan.frame.media[plan.frame.above].index, plan.frame.media[medium].index)
             };
             cosines.push(gather(simd, |lane| inside(lane).unwrap_or(1.0)));
             // n^2 mu d(mu) is the same on both sides of a plane.
             weights.push(gather(simd, |lane| {
                 let plan = plans[lane];
-                let ratio = plan.media[plan.above].index / plan.media[medium].index;
+                let ratio = plan.frame.media[plan.frame.above].index / plan.frame.media[medium].index;
                 BEAM_WEIGHT * ratio * ratio * cosine / inside(lane).unwrap_or(1.0)
             }));
             enters.push(gather(simd, |lane| if inside(lane).is_some() { 1.0 } else { 0.0 }));
         }
         for i in 0..count {
-            cosines.push(gather(simd, |lane| plans[lane].media[medium].streams[i].cosine));
-            weights.push(gather(simd, |lane| plans[lane].media[medium].streams[i].weight));
+            cosines.push(gather(simd, |lane| plans[lane].frame.media[medium].streams[i].cosine));
+            weights.push(gather(simd, |lane| plans[lane].frame.media[medium].streams[i].weight));
         }
-        let index = gather(simd, |lane| plans[lane].media[medium].index);
+        let index = gather(simd, |lane| plans[lane].frame.media[medium].index);
         let mut functions = polynomials(simd, &cosines, &weights, 2 * count);
         close(&mut functions, beams.len(), zero);
         for (i, enters) in enters.iter().enumerate() {

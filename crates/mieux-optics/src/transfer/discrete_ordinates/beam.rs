@@ -35,15 +35,15 @@ pub(in crate::transfer) enum Thickness {
 impl BeamLine {
     /// Of a beam of the given flux that falls onto the top with the given cosine above.
     pub fn new(plan: &Plan, cosine: f64, flux: f64, thickness: &Thickness) -> Self {
-        let above = plan.media[plan.above].index;
-        let share = |plane: usize| plan.planes[plane].reflectance(cosine, above);
+        let above = plan.frame.media[plan.frame.above].index;
+        let share = |plane: usize| plan.frame.planes[plane].reflectance(cosine, above);
         let mut layers = Vec::with_capacity(plan.layers.len());
         for (scaled, layer) in plan.layers.iter().zip(&plan.stack.layers) {
             let depth = match thickness {
                 Thickness::Scaled => scaled.thickness,
                 Thickness::True => layer.optical_thickness,
             };
-            let inside = refracted_cosine(cosine, above, plan.media[scaled.medium].index);
+            let inside = refracted_cosine(cosine, above, plan.frame.media[scaled.medium].index);
             let (cosine, fade) = inside.map_or((1.0, 0.0), |inside| (inside, (-depth / inside).exp()));
             layers.push(BeamInLayer { cosine, down: fade, up: 0.0 });
         }

@@ -13,7 +13,9 @@ pub(super) struct Crossing<S: Simd> {
     /// Of the streams that are trapped below.
     trapped: Option<Trapped<S>>,
     from_below: Vec<Vec<Re<S>>>,
+    /// Below the plane, and just above it.
     admittance: Matrix<S>,
+    answer: Matrix<S>,
     above: usize,
 }
 
@@ -30,13 +32,12 @@ pub(super) struct Series<S: Simd> {
     roots: Vec<Re<S>>,
     inverse: Vec<Re<S>>,
     factor: Cholesky<S>,
-    /// The admittance of both: `(Z^-1 + R)^-1`.
-    pub admittance: Matrix<S>,
 }
 
 impl<S: Simd> Series<S> {
+    /// With the admittance of both: `(Z^-1 + R)^-1`.
     #[inline(always)]
-    pub fn new(simd: S, z: &Matrix<S>, resistances: &[Re<S>]) -> Self {
+    pub fn new(simd: S, z: &Matrix<S>, resistances: &[Re<S>]) -> (Self, Matrix<S>) {
         let n = z.columns;
         let one = Re::splat(simd, 1.0);
         let least = Re::splat(simd, 1e-280);
@@ -65,7 +66,7 @@ impl<S: Simd> Series<S> {
                 scaled.data[i * n + j] = scaled.data[i * n + j] * inverse[i] * inverse[j];
             }
         }
-        Self { roots, inverse, factor, admittance: scaled }
+        (Self { roots, inverse, factor }, scaled)
     }
 
     /// `(1 + R Z)^-1 v`.
@@ -88,12 +89,12 @@ impl<S: Simd> Series<S> {
         drop
     }
 
-    /// `e + y (u - R e)`.
+    /// `e + Y (u - R e)`, with the admittance `Y` of both.
     #[inline(always)]
-    pub fn carry(&self, simd: S, e: &[Re<S>], u: Option<&[Re<S>]>) -> Vec<Re<S>> {
+    pub fn carry(&self, simd: S, y: &Matrix<S>, e: &[Re<S>], u: Option<&[Re<S>]>) -> Vec<Re<S>> {
         let zero = Re::splat(simd, 0.0);
         let drop = self.drop(simd, e, u);
-        apply_add(&self.admittance, &drop, e, zero)
+        apply_add(y, &drop, e, zero)
     }
 }
 
@@ -109,13 +110,13 @@ pub(super) fn cross<S: Simd>(
     let common = above.min(z.columns);
     let mut resistances = Vec::with_capacity(common);
     for i in 0..common {
-        let share = |plan: &Plan, _: usize| plan.planes[plane].resistance.as_ref().map_or(0.0, |r| r[i]);
+        let share = |plan: &Plan, _: usize| plan.frame.planes[plane].resistance.as_ref().map_or(0.0, |r| r[i]);
         resistances.push(lanes.gather(simd, share));
     }
     let ((admittance, from_below), trapped) =
         if common < z.columns { eliminate(simd, z, e, common) } else { ((z, e), None) };
-    let series = Series::new(simd, &admittance, &resistances);
-    Crossing { series, trapped, from_below, admittance, above }
+    let (series, answer) = Series::new(simd, &admittance, &resistances);
+    Crossing { series, trapped, from_below, admittance, answer, above }
 }
 
 /// Without the streams from `common` on, which find no way up: their difference is 0.
@@ -166,11 +167,11 @@ impl<S: Simd> Crossing<S> {
         let zero = Re::splat(simd, 0.0);
         let mut z = Matrix::zeros(simd, self.above, self.above);
         for i in 0..common {
-            z.row_mut(i)[..common].copy_from_slice(self.series.admittance.row(i));
+            z.row_mut(i)[..common].copy_from_slice(self.answer.row(i));
         }
         let mut sources = Vec::with_capacity(self.from_below.len());
         for e in &self.from_below {
-            let mut e = self.series.carry(simd, e, None);
+            let mut e = self.series.carry(simd, &self.answer, e, None);
             e.resize(self.above, zero);
             sources.push(e);
         }

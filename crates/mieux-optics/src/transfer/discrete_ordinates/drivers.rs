@@ -3,12 +3,12 @@
 use pulp::Simd;
 
 use super::beam::BeamLine;
-use super::depth::{Fall, LinearOverlap, Overlap};
+use super::depth::{Decay, Fall, LinearOverlap, Overlap, Passage};
 use super::matrix::apply;
 use super::modes::{Modes, Table};
 use super::plan::Plan;
-use super::sweep::{Drive, Lanes, Passages};
-use crate::lanes::{LaneArray, MAX_LANES, Re};
+use super::sweep::{Drive, Lanes};
+use crate::lanes::{MAX_LANES, Re};
 
 /// How one drive acts in a layer.
 pub(super) struct LayerDrive<S: Simd> {
@@ -21,9 +21,9 @@ pub(super) struct BeamDrive<S: Simd> {
     /// What it gives to the even and the odd part of each mode, per flux along the beam.
     pub coupling: [Vec<Re<S>>; 2],
     /// The inverse of its cosine.
-    pub nu: LaneArray,
-    down: LaneArray,
-    up: LaneArray,
+    pub nu: Re<S>,
+    down: Re<S>,
+    up: Re<S>,
 }
 
 /// Light that is emitted, all of order 0.
@@ -65,7 +65,7 @@ impl<S: Simd> LayerDrive<S> {
 
     /// What the sources in a part of the layer give to `f` at its bottom, and to `g` at its top.
     #[inline(always)]
-    pub fn own(&self, simd: S, modes: &Modes<S>, passages: &[Passages], extent: Extent<S>) -> [Vec<Re<S>>; 2] {
+    pub fn own(&self, simd: S, modes: &Modes<S>, passages: &[Passage<S>], extent: Extent<S>) -> [Vec<Re<S>>; 2] {
         let zero = Re::splat(simd, 0.0);
         let mut own = [vec![zero; modes.k.len()], vec![zero; modes.k.len()]];
         if let Some(beam) = &self.beam {
@@ -94,40 +94,26 @@ impl<S: Simd> BeamDrive<S> {
             let scale = azimuthal(lanes.orders[lane]) / beam.cosine;
             (down[lane], up[lane], cosine[lane]) = (beam.down * scale, beam.up * scale, beam.cosine);
         }
-        let coupling = modes.coupling(simd, table, Re::load(simd, &cosine));
-        Self { coupling, nu: cosine.map(|cosine| 1.0 / cosine), down, up }
+        let cosine = Re::load(simd, &cosine);
+        let coupling = modes.coupling(simd, table, cosine);
+        Self { coupling, nu: cosine.recip(), down: Re::load(simd, &down), up: Re::load(simd, &up) }
     }
 
     /// The beam down at the top of a part of the layer, and up at its bottom.
     #[inline(always)]
     pub fn at(&self, simd: S, extent: Extent<S>) -> [Re<S>; 2] {
-        let (top, rest) = (extent.top.lanes(), (extent.whole - extent.top - extent.thickness).lanes());
-        let down = lanewise(simd, |lane| self.down[lane] * (-self.nu[lane] * top[lane]).exp());
-        let up = lanewise(simd, |lane| self.up[lane] * (-self.nu[lane] * rest[lane].max(0.0)).exp());
-        [down, up]
+        let rest = (extent.whole - extent.top - extent.thickness).max(Re::splat(simd, 0.0));
+        let (above, below) = (Decay::new(simd, self.nu * extent.top), Decay::new(simd, self.nu * rest));
+        [self.down * above.left, self.up * below.left]
     }
 
     #[inline(always)]
-    fn add(&self, simd: S, modes: &Modes<S>, passages: &[Passages], extent: Extent<S>, own: &mut [Vec<Re<S>>; 2]) {
-        let t = extent.thickness.lanes();
-        let nu = &self.nu;
-        let mut falls = [Fall::default(); MAX_LANES];
-        for (lane, fall) in falls[..S::F64_LANES].iter_mut().enumerate() {
-            *fall = Fall::new(nu[lane], t[lane]);
-        }
+    fn add(&self, simd: S, modes: &Modes<S>, passages: &[Passage<S>], extent: Extent<S>, own: &mut [Vec<Re<S>>; 2]) {
+        let fall = Fall::new(simd, self.nu, extent.thickness);
         let [down, up] = self.at(simd, extent);
         let [even, odd] = &self.coupling;
         for i in 0..modes.k.len() {
-            let k = modes.k[i].lanes();
-            let mut parts = [[0.0; MAX_LANES]; 4];
-            for lane in 0..S::F64_LANES {
-                let o = Overlap::new(k[lane], &falls[lane], &passages[i][lane]);
-                parts[0][lane] = o.cosh;
-                parts[1][lane] = o.sinh;
-                parts[2][lane] = o.cosh_back;
-                parts[3][lane] = o.sinh_back;
-            }
-            let [cosh, sinh, cosh_back, sinh_back] = parts.map(|part| Re::load(simd, &part));
+            let Overlap { cosh, sinh, cosh_back, sinh_back } = Overlap::new(simd, modes.k[i], &fall, &passages[i]);
             let k2 = modes.k[i] * modes.k[i];
             let (alpha, beta) = (odd[i], even[i]);
             // The beam up has the odd part of the other sign, and runs from the bottom.

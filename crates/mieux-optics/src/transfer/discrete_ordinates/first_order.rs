@@ -60,10 +60,11 @@ impl<'a> FirstOrder<'a> {
                 phases.push(phases[other].iter().map(|pair| pair.map(|value| value * ratio)).collect());
                 continue;
             }
-            let known = if exact { moments.as_slice() } else { &scaled.moments };
+            let degrees = if exact { moments.as_slice().len() } else { scaled.degrees };
+            let moment = |degree| if exact { moments.get(degree) } else { scaled.moment(degree) };
             let scale = albedo(layer) / (4.0 * PI);
             let strengths: Vec<f64> =
-                known.iter().enumerate().map(|(l, chi)| scale * (2 * l + 1) as f64 * chi).collect();
+                (0..degrees).map(|degree| scale * (2 * degree + 1) as f64 * moment(degree)).collect();
             let cosines = scattering_cosines(rays, layer, beam.layers[layer].cosine, azimuths);
             let values = legendre_series(simd, &strengths, &cosines);
             phases.push(values.chunks(2).map(|pair| [pair[0], pair[1]]).collect());
@@ -83,7 +84,7 @@ impl<'a> FirstOrder<'a> {
             let nu = 1.0 / beam.cosine;
             let [down, up] = [beam.at(top, scaled.thickness)[0], beam.at(top + t, scaled.thickness)[1]];
             let (along, against) = (fading(nu + lambda, t), crossing(nu, lambda, t));
-            let index = self.plan.media[scaled.medium].index;
+            let index = self.plan.frame.media[scaled.medium].index;
             let scale = lambda * nu / (index * index);
             segment.up = scale * (other * down * along + same * up * against);
             segment.down = scale * (same * down * against + other * up * along);

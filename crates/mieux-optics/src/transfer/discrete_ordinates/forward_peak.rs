@@ -69,12 +69,12 @@ pub(super) fn mending<S: Simd>(
         if layer.medium != run.medium {
             run = Run { medium: layer.medium, strength: 0.0, met: Vec::new() };
         }
-        let from = layer.moments.len();
+        let from = layer.degrees;
         let peak = Peak { moments: original.moments.as_slice(), from, share: original.moments.get(from) };
         // Scattered in the peak per scaled optical depth.
         let rate = original.albedo * peak.share.max(0.0) / layer.stretch;
         let (nu, lambda) = (1.0 / beam.layers[number].cosine, 1.0 / cosine);
-        let index = plan.media[layer.medium].index;
+        let index = plan.frame.media[layer.medium].index;
         let cosines = same_side_cosines(cosine, beam.layers[number].cosine, azimuths);
         let mut found = vec![run.spread(simd, &cosines)];
         if layer.albedo > 0.0 {

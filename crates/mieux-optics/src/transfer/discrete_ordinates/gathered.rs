@@ -149,7 +149,7 @@ impl<S: Simd> Fading<S> {
         let zero = Re::splat(simd, 0.0);
         let (mut beams, mut emission) = ([zero; 2], zero);
         if let Some(beam) = &drive.beam {
-            let nu = beam.nu[0];
+            let nu = beam.nu.lanes()[0];
             let (along, against) = (Re::splat(simd, fading(nu + lambda, t)), Re::splat(simd, crossing(nu, lambda, t)));
             let [down, up] = beam.at(simd, extent);
             beams = if is_up { [down * along, up * against] } else { [down * against, up * along] };

@@ -113,6 +113,13 @@ pub(in crate::transfer) fn apply_add<S: Simd>(a: &Matrix<S>, x: &[Re<S>], b: &[R
 #[inline(always)]
 pub(in crate::transfer) fn product<S: Simd>(simd: S, a: &Matrix<S>, b: &Matrix<S>) -> Matrix<S> {
     let mut c = Matrix::zeros(simd, a.rows(), b.columns);
+    add_product(a, b, &mut c);
+    c
+}
+
+/// `C += A B`.
+#[inline(always)]
+pub(in crate::transfer) fn add_product<S: Simd>(a: &Matrix<S>, b: &Matrix<S>, c: &mut Matrix<S>) {
     for i in 0..a.rows() {
         let row = c.row_mut(i);
         // Two terms a pass halve the traffic of the sums.
@@ -126,23 +133,24 @@ pub(in crate::transfer) fn product<S: Simd>(simd: S, a: &Matrix<S>, b: &Matrix<S
             }
         }
     }
-    c
 }
 
-/// `A B^T`, which the caller knows to be symmetric.
+/// `C = A B^T` in place of `out`, which the caller knows to be symmetric.
 #[inline(always)]
-pub(in crate::transfer) fn symmetric_product<S: Simd>(simd: S, a: &Matrix<S>, b: &Matrix<S>) -> Matrix<S> {
-    let n = a.rows();
-    let zero = Re::splat(simd, 0.0);
-    let mut c = Matrix::zeros(simd, n, n);
+pub(in crate::transfer) fn symmetric_product_into<S: Simd>(
+    a: &Matrix<S>,
+    b: &Matrix<S>,
+    zero: Re<S>,
+    out: &mut Matrix<S>,
+) {
+    let n = out.columns;
     for i in 0..n {
         for j in 0..=i {
             let value = dot(a.row(i), b.row(j), zero);
-            c.data[i * n + j] = value;
-            c.data[j * n + i] = value;
+            out.data[i * n + j] = value;
+            out.data[j * n + i] = value;
         }
     }
-    c
 }
 
 /// The lower Cholesky factor of a symmetric positive matrix, with the inverses of its diagonal on the diagonal; above it
@@ -169,6 +177,23 @@ impl<S: Simd> Cholesky<S> {
             row[i + 1..].fill(zero);
         }
         (Self(a), least)
+    }
+
+    /// The diagonal of the factor itself.
+    #[inline(always)]
+    pub fn diagonal(&self, i: usize) -> Re<S> {
+        let inverse = self.0.row(i)[i];
+        let zero = inverse.same(0.0);
+        zero.if_less(inverse, inverse.max(inverse.same(1e-300)).recip(), zero)
+    }
+
+    /// The factor with its own diagonal instead of the inverses.
+    #[inline(always)]
+    pub fn into_factor(mut self) -> Matrix<S> {
+        for i in 0..self.0.columns {
+            self.0.row_mut(i)[i] = self.diagonal(i);
+        }
+        self.0
     }
 
     /// Solves `L x = b` in place.

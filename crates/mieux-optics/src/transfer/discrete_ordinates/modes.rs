@@ -20,10 +20,18 @@ use crate::lanes::{LaneArray, Re, step};
 /// What the streams of a medium are, and the Legendre functions at them.
 pub(super) struct Table<S: Simd> {
     pub cosines: Vec<Re<S>>,
+    /// Square roots of the cosines.
+    roots: Vec<Re<S>>,
     pub weights: Vec<Re<S>>,
     pub index: Re<S>,
     /// `sqrt(w) L_j(mu)`: a row a stream, a column a degree `l - m`.
     pub functions: Matrix<S>,
+    /// Those of even degree, reflected so that the constant one is the first axis (in lanes of order 0), and those of odd.
+    halves: [Matrix<S>; 2],
+    /// The pairs of modes, round by round.
+    tournament: Vec<[usize; 2]>,
+    /// The square root of the flux, over pi, of each stream if its basic radiance is 1: `n sqrt(w mu)`.
+    pub root_fluxes: Vec<Re<S>>,
     pub recurrence: Recurrence<S>,
     /// Which turns the constant function into the first axis, in lanes of order 0; and 2 over its square.
     reflector: (Vec<Re<S>>, Re<S>),
@@ -76,56 +84,50 @@ impl<S: Simd> Table<S> {
         let mut mirror = constant;
         mirror[0] = mirror[0] + axial;
         let twice = axial * Re::splat(simd, 2.0) / dot(&mirror, &mirror, zero).max(Re::splat(simd, 1e-300));
+        let reflector = (mirror, twice);
+        let mut even = every_second(&functions, 0);
+        reflect(&reflector, &mut even, zero);
+        // What is known to be 0 is 0.
+        let other = one - axial;
+        scale(even.row_mut(0), other);
+        for i in 0..n {
+            let value = even.row(i)[0] * other;
+            even.row_mut(i)[0] = if i == 0 { value + axial } else { value };
+        }
+        let halves = [even, every_second(&functions, 1)];
+        let (mut roots, mut root_fluxes) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        for (cosine, weight) in cosines.iter().zip(&weights) {
+            roots.push(cosine.sqrt());
+            root_fluxes.push(index * (*weight * *cosine).sqrt());
+        }
         Self {
             cosines,
+            roots,
             weights,
             index,
             functions,
+            halves,
+            tournament: tournament(n),
+            root_fluxes,
             recurrence,
-            reflector: (mirror, twice),
+            reflector,
             axial,
             constant: constant_length,
         }
     }
+}
 
-    /// The square root of the flux that a stream of basic radiance 1 carries, over pi: `n sqrt(w mu)`.
-    #[inline(always)]
-    pub fn root_flux(&self, i: usize) -> Re<S> {
-        self.index * (self.weights[i] * self.cosines[i]).sqrt()
+/// The columns of one parity.
+#[inline(always)]
+fn every_second<S: Simd>(matrix: &Matrix<S>, parity: usize) -> Matrix<S> {
+    let columns = (matrix.columns + 1 - parity) / 2;
+    let mut data = Vec::with_capacity(matrix.rows() * columns);
+    for i in 0..matrix.rows() {
+        for j in 0..columns {
+            data.push(matrix.row(i)[2 * j + parity]);
+        }
     }
-
-    /// [`Self::root_flux`] of all.
-    #[inline(always)]
-    pub fn root_fluxes(&self) -> Vec<Re<S>> {
-        let mut roots = Vec::with_capacity(self.cosines.len());
-        for i in 0..self.cosines.len() {
-            roots.push(self.root_flux(i));
-        }
-        roots
-    }
-
-    /// The functions reflected so that the constant one is the first axis (in lanes of order 0), a row a stream.
-    #[inline(always)]
-    fn reflected(&self, simd: S) -> Matrix<S> {
-        let count = self.functions.columns;
-        let (mirror, twice) = &self.reflector;
-        let mut along = vec![Re::splat(simd, 0.0); count];
-        for (i, share) in mirror.iter().enumerate() {
-            add_scaled(&mut along, *share * *twice, self.functions.row(i));
-        }
-        let mut reflected = self.functions.clone();
-        for (i, share) in mirror.iter().enumerate() {
-            subtract_scaled(reflected.row_mut(i), *share, &along);
-        }
-        // What is known to be 0 is 0.
-        let other = Re::splat(simd, 1.0) - self.axial;
-        scale(reflected.row_mut(0), other);
-        for i in 0..mirror.len() {
-            let value = reflected.row(i)[0] * other;
-            reflected.row_mut(i)[0] = if i == 0 { value + self.axial } else { value };
-        }
-        reflected
-    }
+    Matrix { columns, data }
 }
 
 /// The modes of a layer.
@@ -155,32 +157,34 @@ impl<S: Simd> Modes<S> {
     fn find(simd: S, table: &Table<S>, strength: Vec<Re<S>>, loss: Re<S>) -> Self {
         let n = table.cosines.len();
         let one = Re::splat(simd, 1.0);
-        let (odd, least_odd) = Cholesky::new(simd, remainder(simd, &table.functions, &strength, 1));
-        let mut even = remainder(simd, &table.reflected(simd), &strength, 0);
+        let [even, odd] = &table.halves;
+        let (odd, least_odd) = Cholesky::new(simd, remainder(simd, n, odd, &strength, 1));
+        let mut even = remainder(simd, n, even, &strength, 0);
         even.data[0] = even.data[0] + table.axial * (loss - even.data[0]);
         let lossless = Re::splat(simd, 1e-15);
         let (even, mut least_even) = Cholesky::new(simd, even);
         // Without loss, order 0 has one pivot of exactly 0.
         least_even = least_even + table.axial * lossless;
-        let odd_factor = with_diagonal(&odd, one);
-        let even_factor = with_diagonal(&even, one);
 
         // Columns of M^-1 H L_E, then G^T = L_O^T (M^-1 H L_E).
-        let right = self::reflect(simd, table, even_factor);
+        let mut right = even.into_factor();
+        reflect(&table.reflector, &mut right, one.same(0.0));
         let mut x = Matrix::zeros(simd, n, n);
         let mut g = Matrix::zeros(simd, n, n);
         for i in 0..n {
             let inverse = one / table.cosines[i];
             let root = inverse.sqrt();
             for k in 0..=i {
-                let factor = odd_factor.row(i)[k];
+                let factor = if k == i { odd.diagonal(i) } else { odd.0.row(i)[k] };
                 x.data[k * n + i] = factor * root;
                 let scaled = factor * inverse;
                 add_scaled(g.row_mut(k), scaled, right.row(i));
             }
         }
-        let k = orthogonalise(simd, &mut g, &mut x);
-        let y = conjugate(simd, table, &odd, &x);
+        let k = orthogonalise(simd, &table.tournament, &mut g, &mut x);
+        let mut y = g;
+        y.data.copy_from_slice(&x.data);
+        conjugate(simd, table, &odd, &mut y);
         Self { x, y, k, strength, least: least_odd.if_less(least_even, least_odd, least_even) }
     }
 
@@ -214,7 +218,7 @@ impl<S: Simd> Modes<S> {
                     sums[parity] = functions[parity].mul_add(there[parity], sums[parity]);
                 }
             }
-            let scale = Re::splat(simd, 1.0) / (table.cosines[i].sqrt() * table.index);
+            let scale = Re::splat(simd, 1.0) / (table.roots[i] * table.index);
             *even = sums[0] * scale;
             *odd = sums[1] * scale;
         }
@@ -232,74 +236,47 @@ impl<S: Simd> Modes<S> {
     }
 }
 
-/// The lower half of `1 - sum_j c_j p_j p_j^T` over degrees of one parity.
+/// The lower half of `1 - sum_j c_j p_j p_j^T`, for `n` streams, over degrees of one parity (of which there may be none).
 #[inline(always)]
-fn remainder<S: Simd>(simd: S, functions: &Matrix<S>, strength: &[Re<S>], parity: usize) -> Matrix<S> {
-    let n = functions.rows();
+fn remainder<S: Simd>(simd: S, n: usize, functions: &Matrix<S>, strength: &[Re<S>], parity: usize) -> Matrix<S> {
     let (zero, one) = (Re::splat(simd, 0.0), Re::splat(simd, 1.0));
-    let count = (functions.columns + 1 - parity) / 2;
-    let mut rows = Matrix { columns: count, data: Vec::with_capacity(n * count) };
-    let mut weighted = Matrix { columns: count, data: Vec::with_capacity(n * count) };
-    for i in 0..n {
-        let row = functions.row(i);
-        for j in (parity..functions.columns).step_by(2) {
-            rows.data.push(row[j]);
-            weighted.data.push(row[j] * strength[j]);
-        }
-    }
+    let mut weighted = vec![zero; functions.columns];
     let mut matrix = Matrix::zeros(simd, n, n);
     for i in 0..n {
+        let row = functions.row(i);
+        for (j, value) in weighted.iter_mut().enumerate() {
+            *value = row[j] * strength[2 * j + parity];
+        }
         for j in 0..=i {
-            let scattered = dot(&weighted.data[i * count..][..count], &rows.data[j * count..][..count], zero);
+            let scattered = dot(&weighted, functions.row(j), zero);
             matrix.data[i * n + j] = if i == j { one - scattered } else { zero - scattered };
         }
     }
     matrix
 }
 
-/// The factor with its own diagonal instead of the inverse.
+/// `H A` in place, with the mirror of `H` and 2 over its square.
 #[inline(always)]
-fn with_diagonal<S: Simd>(cholesky: &Cholesky<S>, one: Re<S>) -> Matrix<S> {
-    let mut factor = cholesky.0.clone();
-    let n = factor.columns;
-    let zero = one.same(0.0);
-    for i in 0..n {
-        let inverse = factor.data[i * n + i];
-        factor.data[i * n + i] = zero.if_less(inverse, one / inverse.max(one.same(1e-300)), zero);
-    }
-    factor
-}
-
-/// `H L`.
-#[inline(always)]
-fn reflect<S: Simd>(simd: S, table: &Table<S>, mut factor: Matrix<S>) -> Matrix<S> {
-    let (mirror, twice) = &table.reflector;
-    let mut along = vec![Re::splat(simd, 0.0); factor.columns];
+fn reflect<S: Simd>((mirror, twice): &(Vec<Re<S>>, Re<S>), a: &mut Matrix<S>, zero: Re<S>) {
+    let mut along = vec![zero; a.columns];
     for (i, share) in mirror.iter().enumerate() {
-        add_scaled(&mut along, *share * *twice, factor.row(i));
+        add_scaled(&mut along, *share * *twice, a.row(i));
     }
     for (i, share) in mirror.iter().enumerate() {
-        subtract_scaled(factor.row_mut(i), *share, &along);
+        subtract_scaled(a.row_mut(i), *share, &along);
     }
-    factor
 }
 
-/// `Y = A^-1 X = M^1/2 O^-1 M^1/2 X`, mode by mode.
+/// From `X` to `Y = A^-1 X = M^1/2 O^-1 M^1/2 X`, mode by mode.
 #[inline(always)]
-fn conjugate<S: Simd>(simd: S, table: &Table<S>, odd: &Cholesky<S>, x: &Matrix<S>) -> Matrix<S> {
+fn conjugate<S: Simd>(simd: S, table: &Table<S>, odd: &Cholesky<S>, modes: &mut Matrix<S>) {
     let zero = Re::splat(simd, 0.0);
-    let mut roots = table.cosines.clone();
-    for root in &mut roots {
-        *root = root.sqrt();
-    }
-    let mut y = x.clone();
-    for k in 0..y.rows() {
-        let row = y.row_mut(k);
-        multiply(row, &roots);
+    for k in 0..modes.rows() {
+        let row = modes.row_mut(k);
+        multiply(row, &table.roots);
         odd.solve(row, zero);
-        multiply(row, &roots);
+        multiply(row, &table.roots);
     }
-    y
 }
 
 /// Two rows are orthogonal when their cosine is smaller than this.
@@ -312,16 +289,14 @@ const VANISHED: f64 = 1e-15;
 const MAX_SWEEPS: usize = 16;
 
 /// Rotates pairs of rows of `g`, and of `x` alike, until the rows of `g` are orthogonal; gives their lengths.
-///
-/// Pairs come in the order of a tournament: neighbours have no row in common, so that one need not wait for another.
 #[inline(always)]
-fn orthogonalise<S: Simd>(simd: S, g: &mut Matrix<S>, x: &mut Matrix<S>) -> Vec<Re<S>> {
+fn orthogonalise<S: Simd>(simd: S, tournament: &[[usize; 2]], g: &mut Matrix<S>, x: &mut Matrix<S>) -> Vec<Re<S>> {
     let n = g.rows();
     let splat = |value: f64| Re::splat(simd, value);
     let zero = splat(0.0);
     let mut squares = vec![zero; n];
-    // With an odd number one row rests in each round.
-    let others = 2 * n.div_ceil(2) - 1;
+    let abreast = (n / 2).max(1);
+    let mut turns: Vec<Turn<S>> = Vec::with_capacity(abreast);
     for _ in 0..MAX_SWEEPS {
         let mut greatest = zero;
         for (k, square) in squares.iter_mut().enumerate() {
@@ -330,14 +305,18 @@ fn orthogonalise<S: Simd>(simd: S, g: &mut Matrix<S>, x: &mut Matrix<S>) -> Vec<
         }
         let floor = greatest * splat(VANISHED * VANISHED);
         let mut turned = false;
-        for round in 0..others {
-            for k in 0..=others / 2 {
-                let first = if k == 0 { others } else { (round + k) % others };
-                let second = (round + others - k) % others;
-                let (p, q) = if first < second { (first, second) } else { (second, first) };
-                if q < n {
-                    turned |= orthogonalise_pair(simd, g, x, &mut squares, (p, q), floor);
-                }
+        for round in tournament.chunks(abreast) {
+            for rows in round {
+                let gamma = dot(g.row(rows[0]), g.row(rows[1]), zero);
+                turns.extend(Turn::needed(simd, &squares, *rows, gamma, floor));
+            }
+            turned |= !turns.is_empty();
+            for turn in &mut turns {
+                turn.aim(simd, &mut squares);
+            }
+            for turn in turns.drain(..) {
+                turn.rotate(g);
+                turn.rotate(x);
             }
         }
         if !turned {
@@ -350,47 +329,65 @@ fn orthogonalise<S: Simd>(simd: S, g: &mut Matrix<S>, x: &mut Matrix<S>) -> Vec<
     squares
 }
 
-/// Whether the rows had to be turned in any lane.
-#[inline(always)]
-fn orthogonalise_pair<S: Simd>(
-    simd: S,
-    g: &mut Matrix<S>,
-    x: &mut Matrix<S>,
-    squares: &mut [Re<S>],
-    (p, q): (usize, usize),
-    floor: Re<S>,
-) -> bool {
-    let (zero, one) = (Re::splat(simd, 0.0), Re::splat(simd, 1.0));
-    let (a, b) = (squares[p], squares[q]);
-    let (upper, lower) = g.two_rows(p, q);
-    let gamma = dot(upper, lower, zero);
-    // Lanes that are done, or hold rounding only, are not turned.
-    let allowed = a * b * Re::splat(simd, ORTHOGONAL * ORTHOGONAL);
-    let present = a.if_less(floor, zero, b.if_less(floor, zero, one));
-    let excess = gamma * gamma * present;
-    if !allowed.any_less(excess) {
-        return false;
-    }
-    let gamma = allowed.if_less(excess, gamma, zero);
-    let twice = gamma + gamma;
-    let difference = b - a;
-    let length = twice.mul_add(twice, difference * difference).sqrt() + difference.abs();
-    let tangent = twice / difference.if_less(zero, zero - length, length.max(Re::splat(simd, 1e-300)));
-    let cosine = one / tangent.mul_add(tangent, one).sqrt();
-    let sine = cosine * tangent;
-    squares[p] = tangent.neg_mul_add(gamma, a);
-    squares[q] = tangent.mul_add(gamma, b);
-    rotate(upper, lower, cosine, sine);
-    let (upper, lower) = x.two_rows(p, q);
-    rotate(upper, lower, cosine, sine);
-    true
+/// All pairs of `n` rows, the lesser first, in the order of a tournament: the `n / 2` of a round have no row in common, so
+/// that one need not wait for another.
+fn tournament(n: usize) -> Vec<[usize; 2]> {
+    // With an odd number one row rests in each round.
+    let others = 2 * n.div_ceil(2) - 1;
+    let pair = |round: usize, k: usize| {
+        let first = if k == 0 { others } else { (round + k) % others };
+        let second = (round + others - k) % others;
+        [first.min(second), first.max(second)]
+    };
+    let all = (0..others).flat_map(|round| (0..=others / 2).map(move |k| pair(round, k)));
+    all.filter(|[_, last]| *last < n).collect()
 }
 
-#[inline(always)]
-fn rotate<S: Simd>(p: &mut [Re<S>], q: &mut [Re<S>], cosine: Re<S>, sine: Re<S>) {
-    for (p, q) in p.iter_mut().zip(q) {
-        let (a, b) = (*p, *q);
-        *p = sine.neg_mul_add(b, cosine * a);
-        *q = sine.mul_add(a, cosine * b);
+/// A rotation of two rows that makes them orthogonal.
+#[derive(Clone, Copy)]
+struct Turn<S: Simd> {
+    rows: [usize; 2],
+    /// The product of the rows; 0 in lanes that are not turned.
+    gamma: Re<S>,
+    cosine: Re<S>,
+    sine: Re<S>,
+}
+
+impl<S: Simd> Turn<S> {
+    /// If rows with this product need it in any lane; lanes that are done, or hold rounding only, are not turned.
+    #[inline(always)]
+    fn needed(simd: S, squares: &[Re<S>], rows: [usize; 2], gamma: Re<S>, floor: Re<S>) -> Option<Self> {
+        let (zero, one) = (Re::splat(simd, 0.0), Re::splat(simd, 1.0));
+        let [a, b] = [squares[rows[0]], squares[rows[1]]];
+        let allowed = a * b * Re::splat(simd, ORTHOGONAL * ORTHOGONAL);
+        let present = a.if_less(floor, zero, b.if_less(floor, zero, one));
+        let excess = gamma * gamma * present;
+        let turn = Self { rows, gamma: allowed.if_less(excess, gamma, zero), cosine: one, sine: zero };
+        if allowed.any_less(excess) { Some(turn) } else { None }
+    }
+
+    /// Finds the angle.
+    #[inline(always)]
+    fn aim(&mut self, simd: S, squares: &mut [Re<S>]) {
+        let (zero, one) = (Re::splat(simd, 0.0), Re::splat(simd, 1.0));
+        let [p, q] = self.rows;
+        let twice = self.gamma + self.gamma;
+        let difference = squares[q] - squares[p];
+        let length = twice.mul_add(twice, difference * difference).sqrt() + difference.abs();
+        let tangent = twice / difference.if_less(zero, zero - length, length.max(Re::splat(simd, 1e-300)));
+        self.cosine = one / tangent.mul_add(tangent, one).sqrt();
+        self.sine = self.cosine * tangent;
+        squares[p] = tangent.neg_mul_add(self.gamma, squares[p]);
+        squares[q] = tangent.mul_add(self.gamma, squares[q]);
+    }
+
+    #[inline(always)]
+    fn rotate(&self, matrix: &mut Matrix<S>) {
+        let (upper, lower) = matrix.two_rows(self.rows[0], self.rows[1]);
+        for (p, q) in upper.iter_mut().zip(lower) {
+            let (a, b) = (*p, *q);
+            *p = self.sine.neg_mul_add(b, self.cosine * a);
+            *q = self.sine.mul_add(a, self.cosine * b);
+        }
     }
 }

@@ -15,7 +15,7 @@ use super::first_order::FirstOrder;
 use super::fluxes::Light;
 use super::forward_peak::{Mending, mending};
 use super::gathered::Receiver;
-use super::plan::Plan;
+use super::plan::{Plan, Scaled};
 use super::ray::{Ends, Followed, Ray, Segment};
 use super::shares::{check_modes, flux};
 use super::sweep::{Answer, Drive, Lanes, Sweep, tables};
@@ -79,7 +79,7 @@ impl WithSimd for Question<'_> {
         let orders = self.orders(simd, &rays.list, &bounds)?;
         let exact = self.solver.correct_radiance;
         let first = FirstOrder::new(simd, plan, self.beam, &rays.list, views.azimuths, exact);
-        let above = plan.media[plan.above].index;
+        let above = plan.frame.media[plan.frame.above].index;
         let mirror = if let Ground::Mirror(share) = plan.stack.ground { share } else { 0.0 };
         let ends = Ends { above: light.above / (above * above), below: orders.below, mirror };
         let mendings = self.mendings(simd, &rays.list, &bounds);
@@ -124,10 +124,10 @@ impl Question<'_> {
         let plan = self.plan;
         let medium = match (self.views.places[place], self.cuts.asked[place]) {
             (Place::Depth(_), Some((layer, _))) => plan.layers[layer].medium,
-            (Place::Below, _) => plan.below,
-            _ => plan.above,
+            (Place::Below, _) => plan.frame.below,
+            _ => plan.frame.above,
         };
-        plan.media[medium].index
+        plan.frame.media[medium].index
     }
 
     fn rays(&self) -> Rays {
@@ -179,8 +179,8 @@ impl Question<'_> {
             _ => return 1,
         }
         let scattering = self.plan.layers.iter().filter(|layer| layer.albedo > 0.0);
-        let last = |moments: &[f64]| moments.iter().rposition(|chi| *chi != 0.0).unwrap_or(0);
-        scattering.map(|layer| last(&layer.moments)).max().unwrap_or(0) + 1
+        let last = |layer: &Scaled| (0..layer.degrees).rfind(|degree| layer.moment(*degree) != 0.0).unwrap_or(0);
+        scattering.map(last).max().unwrap_or(0) + 1
     }
 
     /// What the modes give to each ray.
@@ -259,12 +259,12 @@ impl Question<'_> {
     #[inline(always)]
     fn below<S: Simd>(&self, simd: S, sweep: &Sweep<S>, answer: &Answer<S>, drive: &Drive) -> f64 {
         let plan = self.plan;
-        let index = plan.media[plan.below].index;
+        let index = plan.frame.media[plan.frame.below].index;
         let radiance = match plan.stack.ground {
             Ground::Black => drive.below,
             Ground::Mirror(_) => 0.0,
             Ground::Lambertian(share) => {
-                let diffuse = flux(simd, &sweep.tables[plan.below], &answer.below[0], 1.0)[0];
+                let diffuse = flux(simd, &sweep.tables[plan.frame.below], &answer.below[0], 1.0)[0];
                 share * (diffuse + self.beam.map_or(0.0, |beam| beam.on_ground)) / PI
             }
         };

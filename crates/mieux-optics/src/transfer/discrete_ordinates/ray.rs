@@ -57,12 +57,12 @@ struct Answer {
 impl Ray {
     /// Of the direction that has this cosine in a medium of this index.
     pub fn new(plan: &Plan, cosine: f64, index: f64) -> Self {
-        let inside = |medium: usize| refracted_cosine(cosine, index, plan.media[medium].index);
+        let inside = |medium: usize| refracted_cosine(cosine, index, plan.frame.media[medium].index);
         Self {
             cosines: plan.layers.iter().map(|layer| inside(layer.medium)).collect(),
-            planes: plan.planes.iter().map(|plane| plane.reflectance(cosine, index)).collect(),
-            enters: inside(plan.above).is_some(),
-            leaves: inside(plan.below).is_some(),
+            planes: plan.frame.planes.iter().map(|plane| plane.reflectance(cosine, index)).collect(),
+            enters: inside(plan.frame.above).is_some(),
+            leaves: inside(plan.frame.below).is_some(),
         }
     }
 

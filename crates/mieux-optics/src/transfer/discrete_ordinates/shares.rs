@@ -1,6 +1,7 @@
 //! Shares of the light that falls in.
 
 use std::f64::consts::PI;
+use std::rc::Rc;
 
 use pulp::{Simd, WithSimd};
 
@@ -8,7 +9,7 @@ use super::DiscreteOrdinates;
 use super::beam::{BeamLine, Thickness};
 use super::matrix::dot;
 use super::modes::Table;
-use super::plan::{Medium, Plan};
+use super::plan::{Frame, Plan, Planner};
 use super::sweep::{Drive, Lanes, Level, Sweep, tables};
 use crate::lanes::{LaneArray, MAX_LANES, Re};
 use crate::transfer::{Ground, Incidence, Shares, Stack, TransferError};
@@ -45,20 +46,22 @@ impl WithSimd for Question<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let abreast = S::F64_LANES.min(MAX_LANES);
         let mut out = Vec::with_capacity(self.stacks.len());
-        let mut waiting = self.stacks.iter().map(|stack| Plan::new(stack, self.solver.streams, self.solver.cut_peak));
+        let mut planner = Planner::new(self.solver.streams, self.solver.cut_peak);
+        let mut waiting = self.stacks.iter().map(|stack| planner.plan(stack));
         let mut plans: Vec<Plan> = waiting.by_ref().take(abreast).collect();
         // The wavelengths of a material of constant index share their tables.
-        let mut known: Option<(Vec<Medium>, Vec<Table<S>>)> = None;
+        let mut known: Option<(Rc<Frame>, Vec<Table<S>>)> = None;
         while let Some(first) = plans.first() {
             let alike = plans.iter().take_while(|plan| plan.is_like(first)).count();
             let group = &plans[..alike];
             let lanes =
                 Lanes { plans: std::array::from_fn(|lane| &group[lane.min(alike - 1)]), orders: [0; MAX_LANES] };
-            let (_, tables) = match known.take().filter(|(media, _)| group.iter().all(|plan| plan.media == *media)) {
+            let (_, tables) = match known.take().filter(|(frame, _)| group.iter().all(|plan| plan.shares_media(frame)))
+            {
                 Some(same) => known.insert(same),
-                None => known.insert((first.media.clone(), tables(simd, &lanes))),
+                None => known.insert((Rc::clone(&first.frame), tables(simd, &lanes))),
             };
-            let mixed = group.iter().any(|plan| plan.media != first.media);
+            let mixed = !group.iter().all(|plan| plan.shares_media(&first.frame));
             self.answer(simd, &lanes, tables, group, &mut out)?;
             if mixed {
                 known = None;
@@ -85,9 +88,9 @@ impl Question<'_> {
         let sweep = Sweep::new(simd, lanes, tables, self.drives, &cuts);
         check_modes(&sweep, plans.len(), self.solver.streams)?;
         let answer = sweep.descend();
-        let mut found = vec![Vec::with_capacity(self.drives.len()); plans.len()];
+        let mut found: Vec<Vec<Shares>> = plans.iter().map(|_| Vec::with_capacity(self.drives.len())).collect();
         for (index, incidence) in self.incidences.iter().enumerate() {
-            let [above, below] = [plans[0].above, plans[0].below].map(|medium| &tables[medium]);
+            let [above, below] = [plans[0].frame.above, plans[0].frame.below].map(|medium| &tables[medium]);
             let up = flux(simd, above, &answer.above[index], -1.0);
             let down = flux(simd, above, &answer.above[index], 1.0);
             let below_down = flux(simd, below, &answer.below[index], 1.0);
@@ -110,9 +113,9 @@ impl Question<'_> {
 /// The flux of the streams: down (`sign` 1) or up (-1).
 #[inline(always)]
 pub(super) fn flux<S: Simd>(simd: S, table: &Table<S>, level: &Level<S>, sign: f64) -> LaneArray {
-    let roots = table.root_fluxes();
+    let roots = &table.root_fluxes;
     let zero = Re::splat(simd, 0.0);
-    let sum = Re::splat(simd, sign).mul_add(dot(&roots, &level.d, zero), dot(&roots, &level.s, zero));
+    let sum = Re::splat(simd, sign).mul_add(dot(roots, &level.d, zero), dot(roots, &level.s, zero));
     (sum * Re::splat(simd, PI)).lanes()
 }
 
@@ -167,7 +170,7 @@ pub(in crate::transfer) fn unscattered(plan: &Plan, incidence: Incidence) -> (f6
     let [reflected, on_ground] = match incidence {
         Incidence::Beam(cosine) => line(cosine, 1.0),
         Incidence::Diffuse => {
-            let streams = &plan.media[plan.above].streams;
+            let streams = &plan.frame.media[plan.frame.above].streams;
             let total: f64 = streams.iter().map(|stream| stream.weight * stream.cosine).sum();
             streams.iter().fold([0.0; 2], |sum, stream| {
                 let found = line(stream.cosine, stream.weight * stream.cosine / total);

@@ -14,7 +14,9 @@ use super::crossing::{Crossing, Series, cross};
 use super::depth::Passage;
 use super::drivers::{Extent, LayerDrive, lanewise};
 use super::legendre::Orders;
-use super::matrix::{Matrix, add_scaled, apply, apply_add, dot, product, scale, symmetric_product};
+use super::matrix::{
+    Cholesky, Matrix, add_product, add_scaled, apply, apply_add, dot, product, scale, symmetric_product_into,
+};
 use super::modes::{Modes, Table};
 use super::plan::Plan;
 use crate::lanes::{MAX_LANES, Re, step};
@@ -35,9 +37,6 @@ pub(super) struct Drive {
 
 /// What lies below a plane: its admittance, and for each drive what comes from there.
 pub(super) type Answering<S> = (Matrix<S>, Vec<Vec<Re<S>>>);
-
-/// How one mode passes through a piece, in every lane.
-pub(super) type Passages = [Passage; MAX_LANES];
 
 /// One problem per lane: stacks of one shape, each with an order of the expansion in azimuth.
 pub(super) struct Lanes<'a> {
@@ -104,7 +103,8 @@ pub(super) struct Sweep<'a, S: Simd> {
     pub tables: &'a [Table<S>],
     pub slices: Vec<Slice<S>>,
     crossings: Vec<Option<Crossing<S>>>,
-    top: Series<S>,
+    /// The factor of `1 + Z` above the first plane.
+    top: Cholesky<S>,
     /// Admittance and sources just above the first plane.
     from_all: Answering<S>,
 }
@@ -131,13 +131,13 @@ impl<'a, S: Simd> Sweep<'a, S> {
     fn ascend(simd: S, lanes: &'a Lanes<'a>, tables: &'a [Table<S>], drives: &'a [Drive], cuts: &[Vec<Re<S>>]) -> Self {
         let beams: Vec<Vec<Option<BeamLine>>> = drives.iter().map(|drive| beam_lines::<S>(lanes, drive)).collect();
         let first = lanes.plans[0];
-        let (mut z, mut e) = ground(simd, lanes, &tables[first.below], drives, &beams);
+        let (mut z, mut e) = ground(simd, lanes, &tables[first.frame.below], drives, &beams);
         let count = first.layers.len();
         let mut slices: Vec<Slice<S>> = Vec::with_capacity(count);
         let mut crossings: Vec<Option<Crossing<S>>> = Vec::with_capacity(count + 1);
         for j in (0..=count).rev() {
-            let above = if j == 0 { first.above } else { first.layers[j - 1].medium };
-            crossings.push(if first.planes[j].resistance.is_some() {
+            let above = if j == 0 { first.frame.above } else { first.layers[j - 1].medium };
+            crossings.push(if first.frame.planes[j].resistance.is_some() {
                 let count = tables[above].cosines.len();
                 let crossing = step(
                     simd,
@@ -164,8 +164,12 @@ impl<'a, S: Simd> Sweep<'a, S> {
         }
         slices.reverse();
         crossings.reverse();
-        let open = vec![Re::splat(simd, 1.0); z.columns];
-        let top = Series::new(simd, &z, &open);
+        let mut open = z.clone();
+        for i in 0..z.columns {
+            let value = open.row(i)[i] + Re::splat(simd, 1.0);
+            open.row_mut(i)[i] = value;
+        }
+        let (top, _) = Cholesky::new(simd, open);
         Self { simd, lanes, drives, beams, tables, slices, crossings, top, from_all: (z, e) }
     }
 
@@ -185,7 +189,7 @@ impl<'a, S: Simd> Sweep<'a, S> {
         let zero = Re::splat(simd, 0.0);
         let mut answer = Answer { above: Vec::new(), below: Vec::new(), ends: Vec::with_capacity(self.drives.len()) };
         for (index, drive) in self.drives.iter().enumerate() {
-            let table = &self.tables[self.lanes.plans[0].above];
+            let table = &self.tables[self.lanes.plans[0].frame.above];
             let mut level = self.enter(index, drive, table);
             answer.above.push(level.clone());
             let mut layers = Vec::with_capacity(self.slices.len());
@@ -218,12 +222,13 @@ impl<'a, S: Simd> Sweep<'a, S> {
         let simd = self.simd;
         let zero = Re::splat(simd, 0.0);
         let (z, e) = (&self.from_all.0, &self.from_all.1[index]);
-        let falling = self.lanes.gather(simd, |plan, m| basic(drive.above, m, plan.media[plan.above].index));
-        let mut s = table.root_fluxes();
+        let falling =
+            self.lanes.gather(simd, |plan, m| basic(drive.above, m, plan.frame.media[plan.frame.above].index));
+        let mut s = table.root_fluxes.clone();
         for (s, e) in s.iter_mut().zip(e) {
             *s = (falling + falling).mul_add(*s, zero - *e);
         }
-        self.top.divide(simd, &mut s);
+        self.top.solve(&mut s, zero);
         let d = apply_add(z, &s, e, zero);
         Level { s, d }
     }
@@ -248,15 +253,15 @@ pub(super) fn tables<S: Simd>(simd: S, lanes: &Lanes) -> Vec<Table<S>> {
 fn make_tables<S: Simd>(simd: S, lanes: &Lanes) -> Vec<Table<S>> {
     let first = lanes.plans[0];
     let least = lanes.orders.iter().min().copied().unwrap_or(0);
-    let mut tables = Vec::with_capacity(first.media.len());
-    for medium in 0..first.media.len() {
-        let count = first.media[medium].streams.len();
+    let mut tables = Vec::with_capacity(first.frame.media.len());
+    for medium in 0..first.frame.media.len() {
+        let count = first.frame.media[medium].streams.len();
         let (mut cosines, mut weights) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for i in 0..count {
-            cosines.push(lanes.gather(simd, |plan, _| plan.media[medium].streams[i].cosine));
-            weights.push(lanes.gather(simd, |plan, _| plan.media[medium].streams[i].weight));
+            cosines.push(lanes.gather(simd, |plan, _| plan.frame.media[medium].streams[i].cosine));
+            weights.push(lanes.gather(simd, |plan, _| plan.frame.media[medium].streams[i].weight));
         }
-        let index = lanes.gather(simd, |plan, _| plan.media[medium].index);
+        let index = lanes.gather(simd, |plan, _| plan.frame.media[medium].index);
         let degrees = (2 * count).saturating_sub(least).max(1);
         tables.push(Table::new(simd, cosines, weights, index, lanes.orders, degrees));
     }
@@ -288,8 +293,8 @@ fn ground<S: Simd>(
         Ground::Lambertian(share) if m == 0 => share,
         _ => 0.0,
     });
-    let roots = table.root_fluxes();
-    let square = dot(&roots, &roots, zero);
+    let roots = &table.root_fluxes;
+    let square = dot(roots, roots, zero);
     let one = Re::splat(simd, 1.0);
     let mixing = (diffuse + diffuse) / ((one + diffuse) * square);
     let mut z = Matrix::zeros(simd, n, n);
@@ -305,7 +310,7 @@ fn ground<S: Simd>(
         let rising = lanes.gather(simd, |plan, m| {
             let beam = beams[lane].as_ref().map_or(0.0, |beam| beam.on_ground);
             lane += 1;
-            let index = plan.media[plan.below].index;
+            let index = plan.frame.media[plan.frame.below].index;
             let from_beam = match plan.stack.ground {
                 Ground::Lambertian(share) => basic(share * beam / std::f64::consts::PI, m, index),
                 _ => 0.0,
@@ -335,7 +340,7 @@ fn slice<S: Simd>(
         strength.push(lanes.gather(simd, |plan, m| {
             let scaled = &plan.layers[layer];
             let degree = m + j;
-            scaled.moments.get(degree).map_or(0.0, |chi| scaled.albedo * (2 * degree + 1) as f64 * chi)
+            scaled.strength(degree)
         }));
     }
     let loss = lanes.gather(simd, |plan, _| plan.layers[layer].loss);
@@ -344,34 +349,34 @@ fn slice<S: Simd>(
     for (drive, lines) in drives.iter().zip(beams) {
         own.push(LayerDrive::new(simd, lanes, layer, (table, &modes), drive, lines));
     }
-    Slice { modes, pieces: Vec::new(), drives: own }
+    Slice { modes, pieces: Vec::with_capacity(1), drives: own }
 }
 
 impl<S: Simd> Slice<S> {
     /// From the bottom of the layer to its top: the admittance and sources there.
     #[inline(always)]
-    fn climb(&mut self, simd: S, whole: Re<S>, cuts: &[Re<S>], z: Matrix<S>, e: Vec<Vec<Re<S>>>) -> Answering<S> {
+    fn climb(
+        &mut self,
+        simd: S,
+        whole: Re<S>,
+        cuts: &[Re<S>],
+        mut z: Matrix<S>,
+        mut e: Vec<Vec<Re<S>>>,
+    ) -> Answering<S> {
         let zero = Re::splat(simd, 0.0);
         let modes = &self.modes;
         // Z is symmetric: so is what it becomes in modes.
-        let half = product(simd, &modes.x, &z);
-        let mut z = symmetric_product(simd, &half, &modes.x);
-        let mut e = e;
+        let mut half = product(simd, &modes.x, &z);
+        symmetric_product_into(&half, &modes.x, zero, &mut z);
         for e in &mut e {
             *e = apply(&modes.x, e, zero);
         }
         let ends: Vec<Re<S>> = [zero].iter().chain(cuts).chain([&whole]).copied().collect();
         for pair in ends.windows(2).rev() {
             let (top, thickness) = (pair[0], pair[1] - pair[0]);
-            let mut passages: Vec<Passages> = Vec::with_capacity(modes.k.len());
-            let t = thickness.lanes();
+            let mut passages = Vec::with_capacity(modes.k.len());
             for k in &modes.k {
-                let k = k.lanes();
-                let mut passage = [Passage::default(); MAX_LANES];
-                for (lane, passage) in passage[..S::F64_LANES].iter_mut().enumerate() {
-                    *passage = Passage::new(k[lane], t[lane]);
-                }
-                passages.push(passage);
+                passages.push(Passage::new(simd, *k, thickness));
             }
             let extent = Extent { top, thickness, whole };
             let mut own = Vec::with_capacity(self.drives.len());
@@ -383,25 +388,26 @@ impl<S: Simd> Slice<S> {
             self.pieces.push(piece);
         }
         self.pieces.reverse();
-        let half = product(simd, &z, &modes.y);
-        let n = modes.y.columns;
-        let mut through = Matrix::zeros(simd, n, n);
+        half.data.fill(zero);
+        add_product(&z, &modes.y, &mut half);
+        z.data.fill(zero);
+        let n = z.columns;
         for k in 0..n {
             for i in 0..n {
                 let weight = modes.y.row(k)[i];
                 // The lower half; the rest is its mirror image.
-                add_scaled(&mut through.row_mut(i)[..=i], weight, half.row(k));
+                add_scaled(&mut z.row_mut(i)[..=i], weight, half.row(k));
             }
         }
         for i in 0..n {
             for j in 0..i {
-                through.data[j * n + i] = through.data[i * n + j];
+                z.data[j * n + i] = z.data[i * n + j];
             }
         }
         for e in &mut e {
             *e = modes.combine(simd, &modes.y, e);
         }
-        (through, e)
+        (z, e)
     }
 }
 
@@ -409,7 +415,7 @@ impl<S: Simd> Slice<S> {
 fn piece<S: Simd>(
     simd: S,
     modes: &Modes<S>,
-    passages: &[Passages],
+    passages: &[Passage<S>],
     z: Matrix<S>,
     e: Vec<Vec<Re<S>>>,
     own: Vec<[Vec<Re<S>>; 2]>,
@@ -417,22 +423,14 @@ fn piece<S: Simd>(
     let n = z.columns;
     let (mut resistances, mut sech) = (Vec::with_capacity(n), Vec::with_capacity(n));
     for passage in passages {
-        resistances.push(lanewise::<S>(simd, |lane| passage[lane].resistance));
-        sech.push(lanewise::<S>(simd, |lane| passage[lane].sech));
+        resistances.push(passage.resistance);
+        sech.push(passage.sech);
     }
-    let series = Series::new(simd, &z, &resistances);
-    let mut up = Matrix::zeros(simd, n, n);
-    for i in 0..n {
-        for j in 0..n {
-            up.data[i * n + j] = series.admittance.data[i * n + j] * sech[i] * sech[j];
-        }
-        let k = modes.k[i];
-        up.data[i * n + i] = (k * k).mul_add(resistances[i], up.data[i * n + i]);
-    }
+    let (series, mut answer) = Series::new(simd, &z, &resistances);
     let mut from_all = Vec::with_capacity(e.len());
     let mut driven = Vec::with_capacity(e.len());
     for (e, [u, w]) in e.iter().zip(own) {
-        let carried = series.carry(simd, e, Some(&u));
+        let carried = series.carry(simd, &answer, e, Some(&u));
         let mut up = w;
         for i in 0..n {
             up[i] = sech[i].mul_add(carried[i], up[i]);
@@ -440,7 +438,14 @@ fn piece<S: Simd>(
         from_all.push(up);
         driven.push(u);
     }
-    (Piece { series, below: z, sech, from_below: e, own: driven }, (up, from_all))
+    for i in 0..n {
+        for j in 0..n {
+            answer.data[i * n + j] = answer.data[i * n + j] * sech[i] * sech[j];
+        }
+        let k = modes.k[i];
+        answer.data[i * n + i] = (k * k).mul_add(resistances[i], answer.data[i * n + i]);
+    }
+    (Piece { series, below: z, sech, from_below: e, own: driven }, (answer, from_all))
 }
 
 impl<S: Simd> Piece<S> {

@@ -126,6 +126,30 @@ fn many_are_solved_as_one() {
     }
 }
 
+/// Stacks of the same indices have different streams where a dense layer is clear in one and scatters in the other.
+#[test]
+fn the_stack_before_leaves_no_trace() {
+    let dense = |tau, albedo| {
+        let layers = vec![hg(tau, albedo, 0.5).with_index(1.6), hg(2.0, 0.9, 0.7).with_index(1.4)];
+        Stack { above: 1.0, layers, below: 1.0, ground: Ground::Black }
+    };
+    let swapped = |stack: Stack| Stack { layers: stack.layers.into_iter().rev().collect(), ..stack };
+    let stacks = [
+        dense(1.0, 0.0),
+        dense(1.0, 0.8),
+        dense(0.0, 0.8),
+        swapped(dense(1.0, 0.8)),
+        swapped(dense(1.0, 0.0)),
+        Stack { below: 1.4, ..dense(1.0, 0.0) },
+        Stack::slab(hg(1.0, 0.8, 0.5)),
+        dense(1.0, 0.8),
+    ];
+    let all = solver(16).shares_of(&stacks, &[Incidence::Beam(0.6)]).unwrap();
+    for (stack, found) in stacks.iter().zip(all) {
+        assert_eq!(solver(16).shares(stack, Incidence::Beam(0.6)).unwrap(), found[0]);
+    }
+}
+
 #[test]
 fn refuses_what_cannot_be() {
     let slab = || Stack::slab(hg(1.0, 0.9, 0.5));
