@@ -23,6 +23,36 @@ type Formula = FlatEx<f64, FloatOpsFactory<f64>, Decimal>;
 /// Longest formula read, bytes.
 const MAX_FORMULA: usize = 1000;
 
+/// Words with a meaning of their own in formulas.
+const WORDS: [&str; 31] = [
+    "atan2", "min", "max", "abs", "signum", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh",
+    "asinh", "acosh", "atanh", "floor", "round", "ceil", "trunc", "fract", "exp", "sqrt", "cbrt", "ln", "log2",
+    "log10", "PI", "E", "TAU",
+];
+
+/// Reads a formula. Names are put into braces first: without them `minerals` would be read as `min erals`.
+fn read(text: &str) -> Result<Formula, String> {
+    if text.contains(['{', '}']) {
+        return Err("there are no braces in formulas".into());
+    }
+    let mut braced = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        let length = match first {
+            '0'..='9' | '.' => Decimal::is_literal(rest).map_or(1, str::len),
+            c if c.is_alphabetic() || c == '_' => {
+                rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len())
+            }
+            c => c.len_utf8(),
+        };
+        let (word, after) = rest.split_at(length);
+        let named = word.starts_with(|c: char| c.is_alphabetic() || c == '_') && !WORDS.contains(&word);
+        braced += &if named { format!("{{{word}}}") } else { word.to_owned() };
+        rest = after;
+    }
+    Formula::parse(&braced).map_err(|error| error.to_string())
+}
+
 /// A number, or a formula for one.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Number {
@@ -80,7 +110,7 @@ impl InputSpec {
             let message = format!("`{text}` cannot name an input: letters, digits and _ do, a letter first");
             return Err(source.error(name.span(), message));
         }
-        if Formula::parse(text).map_or(true, |formula| formula.var_names() != [text.as_str()]) {
+        if WORDS.contains(&text.as_str()) {
             return Err(source.error(name.span(), format!("`{text}` has a meaning of its own in formulas")));
         }
         let input = Input {
@@ -187,7 +217,7 @@ impl Scope {
 
     /// Names in a formula that have no value yet.
     fn unknown(&self, formula: &str) -> Vec<String> {
-        let Ok(formula) = Formula::parse(formula) else { return Vec::new() };
+        let Ok(formula) = read(formula) else { return Vec::new() };
         formula.var_names().iter().filter(|name| !self.0.contains_key(*name)).cloned().collect()
     }
 
@@ -216,7 +246,7 @@ impl Scope {
 
     /// Whether the last word of a formula is a unit: it has letters, and is neither a name nor part of a sum.
     fn is_unit(&self, word: &str) -> bool {
-        let part_of_a_sum = Formula::parse(word).is_ok_and(|f| f.var_names().iter().any(|n| self.0.contains_key(n)));
+        let part_of_a_sum = read(word).is_ok_and(|f| f.var_names().iter().any(|n| self.0.contains_key(n)));
         word.contains(char::is_alphabetic) && !part_of_a_sum && !word.ends_with(')')
     }
 
@@ -225,7 +255,7 @@ impl Scope {
         if text.len() > MAX_FORMULA {
             return Err(error(format!("it is longer than {MAX_FORMULA} characters"), String::new()));
         }
-        let formula = Formula::parse(text).map_err(|e| error(e.to_string(), String::new()))?;
+        let formula = read(text).map_err(|message| error(message, String::new()))?;
         let mut values = Vec::new();
         for name in formula.var_names() {
             let Some(value) = self.0.get(name) else {
@@ -282,6 +312,9 @@ mod tests {
         assert_eq!(text(&scope, "= diameter / 2"), "1.5e0");
         assert_eq!(text(&scope, "= 2 * diameter"), "6e0");
         assert_eq!(text(&scope, "= ln(diameter - 2) um"), "0e0 um");
+        assert_eq!(text(&scope, "= 1E3 * n + max(2., n) * sqrt(4)"), "2.004e12");
+        assert_eq!(text(&self::scope(&[("minerals", 3.0), ("expo", 2.0)]), "= expo * minerals / 1e6"), "6e-6");
+        assert!(text(&scope, "= {n}").contains("braces"));
         assert!(text(&scope, "= diametre / 2 um").contains("`diametre` is neither"));
         assert!(text(&scope, "= diameter / 0 um").contains("gives inf"));
         assert!(text(&scope, "= diameter / um").contains("formula"));
