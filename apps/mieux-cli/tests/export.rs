@@ -82,13 +82,20 @@ fn the_table_shows_units_and_losses_and_csv_both_sides() {
 #[test]
 fn what_cannot_be_written_is_said_plainly() {
     let folder = tempfile::tempdir().unwrap();
+    std::fs::write(
+        folder.path().join("infrared.toml"),
+        "title = \"A suspension\"\nabout = \"The same at every wavelength.\"\n\
+         [host]\nrefractive_index = \"1.33\"\n[[inclusion]]\nname = \"spheres\"\nrefractive_index = \"1.5\"\n\
+         volume_fraction = 0.01\n[inclusion.size_distribution]\nkind = \"monodisperse\"\nradius = \"200 nm\"\n",
+    )
+    .unwrap();
     for (words, said) in [
         (&["skim-milk", "--to", "gltf"][..], "--draft"),
         (&["skim-milk", "--to", "renderman"][..], "possible values: mitsuba"),
         (&["water", "--to", "pbrt"][..], "scatters nothing"),
         (&["skim-milk", "--to", "pbrt", "--scale", "-1"][..], "no length"),
         (&["skim-milk", "--to", "pbrt", "--scale", "nan"][..], "no length"),
-        (&["skim-milk", "--to", "mitsuba", "--wavelengths", "300nm,500nm"][..], "300 nm lies outside"),
+        (&["infrared.toml", "--to", "mitsuba", "--wavelengths", "500nm,900nm"][..], "900 nm lies outside"),
         (&["skim-milk", "--to", "usd", "--wavelengths", "500nm:600nm:25nm"][..], "what makes red"),
         (&["skim-mlk", "--to", "usd"][..], "skim-milk"),
     ] {

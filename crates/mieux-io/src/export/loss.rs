@@ -36,9 +36,9 @@ impl Errors {
 
     /// Relative to the truth; an absolute difference of nothing is none, and something in place of nothing is all.
     fn relative(held: &[f64], truth: &[f64]) -> Self {
-        Self::of(held.iter().zip(truth).map(|(held, truth)| match held - truth {
-            difference if difference == 0.0 => 0.0,
-            difference => difference / truth.abs().max(f64::MIN_POSITIVE),
+        Self::of(held.iter().zip(truth).map(|(held, truth)| {
+            let difference = held - truth;
+            if difference == 0.0 { 0.0 } else { difference / truth.abs().max(f64::MIN_POSITIVE) }
         }))
     }
 }
