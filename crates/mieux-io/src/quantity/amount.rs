@@ -2,7 +2,7 @@
 
 use super::QuantityError;
 
-const MASS_UNITS: [(&str, f64); 13] = [
+const MASS_UNITS: [(&str, f64); 17] = [
     ("kg/m3", 1.0),
     ("kg/m^3", 1.0),
     ("g/L", 1.0),
@@ -15,9 +15,13 @@ const MASS_UNITS: [(&str, f64); 13] = [
     ("g/mL", 1e3),
     ("g/ml", 1e3),
     ("mg/L", 1e-3),
+    ("g/m3", 1e-3),
+    ("g/m^3", 1e-3),
+    ("mg/m3", 1e-6),
+    ("mg/m^3", 1e-6),
     ("ug/m3", 1e-9),
 ];
-const MASS_UNIT_NAMES: &str = "kg/m3, g/cm3, g/mL, g/L, mg/L, ug/m3";
+const MASS_UNIT_NAMES: &str = "kg/m3, g/cm3, g/mL, g/L, mg/L, g/m3, mg/m3, ug/m3";
 
 const NUMBER_UNITS: [(&str, f64); 10] = [
     ("/m3", 1.0),

@@ -27,8 +27,35 @@ pub struct OpticsAt {
     pub asymmetry: f64,
     /// Real part of the effective refractive index.
     pub n_real: f64,
-    /// Relative error believed to be in scattering, reduced scattering or absorption, whichever is largest.
-    pub relative_error: f64,
+    /// Relative errors that the integral over sizes is believed to have left.
+    pub relative_error: RelativeError,
+}
+
+/// Relative errors that the integral over sizes is believed to have left; usually overestimates.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RelativeError {
+    /// Of scattering.
+    pub scattering: f64,
+    /// Of reduced scattering, `(1 - g) sigma_s`.
+    pub reduced: f64,
+    /// Of absorption, or of 1e-3 of reduced scattering where that is more.
+    pub absorption: f64,
+}
+
+impl RelativeError {
+    /// The largest of them.
+    pub fn largest(&self) -> f64 {
+        self.scattering.max(self.reduced).max(self.absorption)
+    }
+
+    /// Each the larger of two.
+    fn or_worse(self, other: Self) -> Self {
+        Self {
+            scattering: self.scattering.max(other.scattering),
+            reduced: self.reduced.max(other.reduced),
+            absorption: self.absorption.max(other.absorption),
+        }
+    }
 }
 
 /// Spectral optical properties of a bulk medium; all vectors are as long as the grid.
@@ -39,7 +66,7 @@ pub struct BulkOptics {
     sigma_a: Vec<f64>,
     asymmetry: Vec<f64>,
     n_real: Vec<f64>,
-    relative_error: f64,
+    relative_error: RelativeError,
 }
 
 impl BulkOptics {
@@ -57,7 +84,7 @@ impl BulkOptics {
             sigma_a: at.iter().map(|o| o.sigma_a).collect(),
             asymmetry: at.iter().map(|o| o.asymmetry).collect(),
             n_real: at.iter().map(|o| o.n_real).collect(),
-            relative_error: at.iter().map(|o| o.relative_error).fold(0.0, f64::max),
+            relative_error: at.iter().map(|o| o.relative_error).fold(RelativeError::default(), RelativeError::or_worse),
         })
     }
 
@@ -102,9 +129,8 @@ impl BulkOptics {
         self.sigma_s.iter().zip(&self.asymmetry).map(|(s, g)| s * (1.0 - g)).collect()
     }
 
-    /// Largest relative error that the integration over radius believes it has made in scattering, reduced scattering or
-    /// absorption, over all wavelengths. An upper estimate.
-    pub fn relative_error(&self) -> f64 {
+    /// Largest relative errors over all wavelengths that the integral over sizes is believed to have left.
+    pub fn relative_error(&self) -> RelativeError {
         self.relative_error
     }
 
@@ -169,13 +195,17 @@ impl Medium {
             dilute += wavelength * Complex64::new(-part.index_shift, extinction / (4.0 * PI));
             (0..3).for_each(|k| error[k] += part.error[k]);
         }
-        let pairs = error.into_iter().zip([scattering, absorption, reduced]);
+        let relative = |k: usize, value: f64| if value > 0.0 { error[k] / value } else { 0.0 };
         Ok(OpticsAt {
             sigma_s: scattering,
             sigma_a: absorption,
             asymmetry: if scattering > 0.0 { 1.0 - reduced / scattering } else { 0.0 },
             n_real: self.effective_index().index(host, dilute).re,
-            relative_error: pairs.filter(|(_, v)| *v > 0.0).map(|(e, v)| e / v).fold(0.0, f64::max),
+            relative_error: RelativeError {
+                scattering: relative(0, scattering),
+                reduced: relative(2, reduced),
+                absorption: relative(1, absorption.max(ABSORPTION_FLOOR * reduced)),
+            },
         })
     }
 }
@@ -297,7 +327,7 @@ mod tests {
         let medium = Medium::new(constant(1.335, 1e-9), vec![drops]).unwrap();
         let loose = medium.bulk_optics(&grid, 1e-3).unwrap();
         let tight = medium.bulk_optics(&grid, 1e-9).unwrap();
-        assert!(tight.relative_error() <= 3e-9 && loose.relative_error() <= 3e-3);
+        assert!(tight.relative_error().largest() <= 3e-9 && loose.relative_error().largest() <= 3e-3);
         for i in 0..grid.len() {
             for (a, b) in [(&loose.sigma_s, &tight.sigma_s), (&loose.sigma_a, &tight.sigma_a)] {
                 assert!((a[i] / b[i] - 1.0).abs() < 1e-3);

@@ -13,7 +13,7 @@ mod scatterer;
 use num_complex::Complex64;
 
 pub use amount::{Amount, AmountError, Portion, volume_fractions};
-pub use bulk::{BulkOptics, DEFAULT_TOLERANCE, OpticsAt};
+pub use bulk::{BulkOptics, DEFAULT_TOLERANCE, OpticsAt, RelativeError};
 pub use coat::{Coat, CoatError, CoatExtent, SizedBy};
 pub use doubts::Doubt;
 pub use effective_index::EffectiveIndex;

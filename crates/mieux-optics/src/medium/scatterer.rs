@@ -24,7 +24,7 @@ const HOLLOW: f64 = 0.1;
 
 /// Orders of the series of all spheres together, of one inclusion at one wavelength, after which the resonances of large spheres
 /// are not followed any further: some tenths of a second.
-const MOST_ORDERS: f64 = 2e7;
+const MOST_ORDERS: f64 = 1e7;
 
 /// A sphere that stands for particles, or for a part of one.
 #[derive(Clone)]

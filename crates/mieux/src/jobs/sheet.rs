@@ -31,6 +31,8 @@ pub struct OpticsSheet {
     pub material: Material,
     /// Its properties.
     pub bulk: BulkOptics,
+    /// Relative tolerance that was asked of the integral over sizes.
+    pub tolerance: f64,
 }
 
 impl OpticsSheet {
@@ -60,7 +62,7 @@ impl OpticsSheet {
             .collect();
         context.say(Event::End(Stage::Optics));
         let bulk = BulkOptics::new(grid.clone(), &at?)?;
-        Ok(Self { material, bulk })
+        Ok(Self { material, bulk, tolerance })
     }
 
     /// What the material is made of, the host first.
@@ -81,7 +83,18 @@ impl OpticsSheet {
     /// What makes the properties doubtful, in words: particles too near to each other to scatter independently.
     pub fn warnings(&self) -> Vec<String> {
         let longest = self.bulk.grid().range().1;
-        self.material.medium.doubts(longest).iter().map(ToString::to_string).collect()
+        let mut warnings: Vec<String> = self.material.medium.doubts(longest).iter().map(ToString::to_string).collect();
+        let error = self.bulk.relative_error();
+        for (what, error) in [("scattering", error.scattering), ("reduced scattering", error.reduced)] {
+            if error > 2.0 * self.tolerance {
+                let tolerance = self.tolerance;
+                warnings.push(format!(
+                    "{what} is known to {error:.1e} where {tolerance:.0e} was asked: spheres of thousands of wavelengths resonate \
+                     too finely"
+                ));
+            }
+        }
+        warnings
     }
 
     /// As a table, with units in the column names and what was computed in its head.
@@ -94,8 +107,13 @@ impl OpticsSheet {
         for (input, value) in &self.material.inputs {
             table = table.with_metadata(&*input.name, input.shown(*value));
         }
-        table =
-            table.with_metadata("largest relative error of the size integral", format!("{:.1e}", b.relative_error()));
+        let error = b.relative_error();
+        for (what, error) in
+            [("scattering", error.scattering), ("reduced scattering", error.reduced), ("absorption", error.absorption)]
+        {
+            table =
+                table.with_metadata(format!("relative error of {what} by the size integral"), format!("{error:.1e}"));
+        }
         for warning in self.warnings() {
             table = table.with_metadata("warning", warning);
         }
@@ -129,6 +147,11 @@ impl OpticsSheet {
             "g": b.asymmetry(),
             "n_real": b.n_real(),
             "n_imag": b.n_imag(),
+            "relative_error": {
+                "sigma_s": b.relative_error().scattering,
+                "reduced_scattering": b.relative_error().reduced,
+                "sigma_a": b.relative_error().absorption,
+            },
             "warnings": self.warnings(),
         })
     }
