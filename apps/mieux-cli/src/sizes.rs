@@ -78,7 +78,7 @@ pub fn show(report: &SizesReport, format: Format) -> Result<(), Failure> {
 
 fn summary(population: &Population) -> String {
     let what = if population.radii { "radius" } else { "length" };
-    let length = |value: Option<f64>| value.map_or("none".into(), |v| format_length(v));
+    let length = |value: Option<f64>| value.map_or("none".into(), format_length);
     let mut text = format!("{}, {what}\n", population.name);
     text += &format!("{:<14}", "  by");
     for head in ["mean", "deviation", "10 % below", "median", "90 % below", "mode"] {

@@ -97,7 +97,19 @@ fn optics_prints_json_csv_and_a_table() {
 
     let written = mieux(folder.path(), &["optics", "water", "-o", "made/here"]);
     assert!(written.status.success());
-    assert_eq!(listing(&folder.path().join("made/here")), ["optics.csv", "optics.json", "optics.svg"]);
+    assert_eq!(
+        listing(&folder.path().join("made/here")),
+        [
+            "optics.csv",
+            "optics.json",
+            "optics.nc",
+            "optics.parquet",
+            "optics.svg",
+            "phase.csv",
+            "phase.svg",
+            "swatches.svg"
+        ]
+    );
 }
 
 /// What is approximate says so, and gives another picture.

@@ -90,11 +90,11 @@ const BOUND: f64 = 0.005;
 /// Share of extinction below which the tables' absorption, a difference of two numbers of four digits, says nothing.
 const UNSAID: f64 = 1e-3;
 
-/// Scattering and absorption (1/m) by summing 120 000 spheres one by one: where the tables' own sizes are too coarse.
+/// Scattering and absorption (1/m) by summing 60 000 spheres one by one: where the tables' own sizes are too coarse.
 fn fine(component: &Component, wavelength: f64, index: Complex64) -> [f64; 2] {
     let Component { sizes, number, .. } = component;
-    let (from, to) = (-9.0f64, -4.0f64);
-    let steps = 120_000;
+    let (from, to) = (-8.5f64, -4.2f64);
+    let steps = 60_000;
     let (mut sums, mut count) = ([0.0; 2], 0.0);
     for i in 0..steps {
         let r = 10f64.powf(from + (to - from) * (f64::from(i) + 0.5) / f64::from(steps));

@@ -12,12 +12,14 @@ use mieux::optics::medium::BulkOptics;
 use mieux::optics::spectrum::{WavelengthGrid, stiles_burch1959};
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
+/// Inputs and their values.
+type Settings = &'static [(&'static str, f64)];
 
 /// Seas whose properties were published: our name, theirs.
 const SEAS: [(&str, &str); 3] =
     [("sea-atlantic", "AtlanticSeaWater"), ("sea-baltic", "BalticSeaWater"), ("sea-north", "NorthSeaWater")];
 /// Measured liquids: theirs, our material and its inputs.
-const LIQUIDS: [(&str, &str, &[(&str, f64)]); 5] = [
+const LIQUIDS: [(&str, &str, Settings); 5] = [
     ("Skimmilk", "skim-milk", &[]),
     ("Wholemilk", "whole-milk", &[]),
     ("Lowfat Milk", "low-fat-milk", &[]),
@@ -139,11 +141,9 @@ fn sea_ice(out: &mut impl Write) -> Outcome<()> {
     let text = MATERIALS.iter().find(|(name, _)| *name == "ice-first-year").map_or("", |(_, text)| *text);
     let variant = |from: &str, to: &str| Recipe::parse("variant", "variant", &text.replace(from, to));
     let shaped = Recipe::find("ice-first-year")?;
-    let volume = variant("aspect_power = 0.67 }", "aspect_power = 0.67, equivalence = \"volume\" }")?;
-    let bubbles = variant("0.02 * brine", "brine").and_then(|_| {
-        let text = text.replace("0.02 * brine", "brine").replace("0.06 * brine", "0").replace("0.92 * brine", "0");
-        Recipe::parse("variant", "variant", &text)
-    })?;
+    let volume = variant("exponent = 0.67 } }", "exponent = 0.67 }, equivalent = \"volume\" }")?;
+    let bubbles = text.replace("0.02 * brine", "brine").replace("0.06 * brine", "0").replace("0.92 * brine", "0");
+    let bubbles = Recipe::parse("variant", "variant", &bubbles)?;
     writeln!(out, "\n| brine | sigma_s' at 550 nm (1/m) | without air |\n|---|---|---|")?;
     for (name, recipe) in [
         ("volume-to-area spheres, as printed", &shaped),

@@ -67,7 +67,7 @@ fn a_folder_holds_every_form_and_the_phase_functions_agree_with_g() {
         let (with, without) = (lightness(i, "with_surface_reflection"), lightness(i, "without_surface_reflection"));
         assert!(with > without, "{colour}");
         if colour["ground"] == "white" {
-            assert!(without > lightness(i - 1, "without_surface_reflection"), "{colour}");
+            assert!(without >= lightness(i - 1, "without_surface_reflection"), "{colour}");
         }
     }
 }

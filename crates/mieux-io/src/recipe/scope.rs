@@ -247,7 +247,8 @@ impl Scope {
     /// Whether the last word of a formula is a unit: it has letters, and is neither a name nor part of a sum.
     fn is_unit(&self, word: &str) -> bool {
         let part_of_a_sum = read(word).is_ok_and(|f| f.var_names().iter().any(|n| self.0.contains_key(n)));
-        word.contains(char::is_alphabetic) && !part_of_a_sum && !word.ends_with(')')
+        let number = word.starts_with(|c: char| c.is_ascii_digit() || c == '.');
+        !number && word.contains(char::is_alphabetic) && !part_of_a_sum && !word.ends_with(')')
     }
 
     fn evaluate(&self, text: &str) -> Result<f64, FormulaError> {

@@ -13,7 +13,7 @@ use crate::Complex64;
 use crate::integrate::rule;
 use crate::mie::Directions;
 use crate::particle::{Part, Spread};
-use crate::phase::{AngleGrid, Isotropic, PhaseError, PhaseFunction, SpectralPhase, Tabulated};
+use crate::phase::{AngleGrid, HenyeyGreenstein, Isotropic, PhaseError, PhaseFunction, SpectralPhase, Tabulated};
 use crate::spectrum::WavelengthGrid;
 
 /// Bins to a period of the largest sphere's oscillation over angle, to begin with.
@@ -46,9 +46,24 @@ struct Member {
     inclusion: usize,
 }
 
+/// Size parameter that no sphere may have for its cross sections to be asked for all the same.
+const BEYOND: f64 = 1e4;
+
+/// The spheres that stand for a medium, or what stands in for their phase function.
+enum Members {
+    All(Vec<Member>),
+    TooLarge(HenyeyGreenstein),
+}
+
 impl Medium {
+    /// Size parameter of the largest spheres whose phase functions are computed.
+    pub const LARGEST_SIZE: f64 = 1000.0;
+
     /// Phase function at a vacuum wavelength (m): the mean of the exact phase functions of all spheres, weighted by how
     /// much each scatters, as a table over angle; isotropic where nothing scatters.
+    ///
+    /// Where more than a share `tolerance` of the light is scattered by spheres beyond [`Self::LARGEST_SIZE`], whose rings are
+    /// finer than there is time for, Henyey and Greenstein's function of the same asymmetry stands in.
     ///
     /// The integral over radius is converged to `tolerance` (relative, 1e-12 to 1) in scattering and reduced scattering
     /// as [`Self::optics_at`] does it, and `1 - g` of the table is within half of that of what the coefficients
@@ -58,7 +73,10 @@ impl Medium {
     /// # Errors
     /// As for [`Self::optics_at`], or [`MediumError::Phase`] when no grid of angles reaches the tolerance.
     pub fn phase_at(&self, wavelength: f64, tolerance: f64) -> Result<PhaseFunction, MediumError> {
-        let members = self.members(wavelength, tolerance)?;
+        let members = match self.members(wavelength, tolerance)? {
+            Members::All(members) => members,
+            Members::TooLarge(stand_in) => return Ok(stand_in.into()),
+        };
         let Some(largest) = largest_size(&members, tolerance) else { return Ok(Isotropic.into()) };
         let [scattering, reduced] =
             members.iter().fold([0.0; 2], |[s, r], member| [s + member.scattering, r + member.reduced]);
@@ -90,19 +108,38 @@ impl Medium {
     }
 
     /// Spheres that stand for all sizes of all inclusions; those that hardly scatter are left out.
-    fn members(&self, wavelength: f64, tolerance: f64) -> Result<Vec<Member>, MediumError> {
+    fn members(&self, wavelength: f64, tolerance: f64) -> Result<Members, MediumError> {
         if !(1e-12..=1.0).contains(&tolerance) {
             return Err(MediumError::Tolerance { tolerance });
         }
         let host = self.host().index(wavelength)?;
+        if self.largest_possible(wavelength, host)? > BEYOND {
+            let asymmetry = self.optics_at(wavelength, tolerance)?.asymmetry;
+            return Ok(Members::TooLarge(HenyeyGreenstein::new(asymmetry)?));
+        }
         let mut members = Vec::new();
         for (i, inclusion) in self.inclusions().iter().enumerate() {
             sample(inclusion, i, wavelength, host, tolerance, &mut members)?;
         }
         let total: f64 = members.iter().map(|member| member.scattering).sum();
+        if largest_size(&members, tolerance).is_some_and(|size| size > Self::LARGEST_SIZE) {
+            let reduced: f64 = members.iter().map(|member| member.reduced).sum();
+            return Ok(Members::TooLarge(HenyeyGreenstein::new(1.0 - reduced / total)?));
+        }
         let negligible = 1e-3 * tolerance * total / members.len() as f64;
         members.retain(|member| member.scattering > negligible);
-        Ok(members)
+        Ok(Members::All(members))
+    }
+
+    /// The size parameter of the largest sphere that any distribution holds, whether or not it matters.
+    fn largest_possible(&self, wavelength: f64, host: Complex64) -> Result<f64, MediumError> {
+        let mut largest = 0.0f64;
+        for inclusion in self.inclusions() {
+            let scatterer = Scatterer::new(inclusion, wavelength, host)?;
+            let end = inclusion.sizes.log_range(2.0).map_or(0.0, |(_, end)| end.exp());
+            largest = largest.max(scatterer.size_parameter(end));
+        }
+        Ok(largest)
     }
 
     /// The sum of scattering coefficients times phase functions, at the angles of a grid.

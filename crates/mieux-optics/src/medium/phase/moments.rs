@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
-use super::{Medium, MediumError, Member};
+use super::{Medium, MediumError, Member, Members};
 use crate::integrate::gauss_legendre;
 use crate::medium::scatterer::node_count;
 use crate::mie::Directions;
@@ -12,6 +12,8 @@ use crate::mie::Directions;
 impl Medium {
     /// Legendre moments, from degree 0 to `max_degree`, of the phase function at a vacuum wavelength (m): 1, the mean
     /// cosine, and so on; 1 and zeros where nothing scatters.
+    ///
+    /// Henyey and Greenstein's where [`Self::phase_at`] lets them stand in.
     ///
     /// The phase function of every sphere is a polynomial in the scattering cosine, and a Gauss rule with enough nodes for
     /// the largest gives the moments of all of them without error but rounding: what is left is that of the integral over
@@ -26,7 +28,12 @@ impl Medium {
         max_degree: usize,
         tolerance: f64,
     ) -> Result<Vec<f64>, MediumError> {
-        let members = self.members(wavelength, tolerance)?;
+        let members = match self.members(wavelength, tolerance)? {
+            Members::All(members) => members,
+            Members::TooLarge(stand_in) => {
+                return Ok((0..=max_degree).map(|degree| stand_in.asymmetry().powi(degree as i32)).collect());
+            }
+        };
         let mut moments = vec![0.0; max_degree + 1];
         if members.is_empty() {
             moments[0] = 1.0;

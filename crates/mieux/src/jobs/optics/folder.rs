@@ -8,6 +8,7 @@ use mieux_io::output::OutputDir;
 use mieux_io::plot::{comparison_figure, swatch_figure};
 use mieux_io::quantity::format_length;
 use mieux_io::table::Table;
+use mieux_optics::phase::PhaseFunction;
 use serde_json::{Value, json};
 
 use super::super::slab::Look;
@@ -42,6 +43,7 @@ pub(super) fn write(dir: &OutputDir, sheet: &OpticsSheet, look: &Look) -> Result
 fn json(sheet: &OpticsSheet, look: &Look) -> Value {
     let mut json = sheet.json();
     if let (Value::Object(json), false) = (&mut json, look.colours.is_empty()) {
+        json.insert("phase_functions".into(), json!(kind(look)));
         json.insert("layer_colours".into(), json!(look.colours.iter().map(|c| c.json()).collect::<Vec<_>>()));
     }
     json
@@ -109,12 +111,22 @@ fn phase_table(sheet: &OpticsSheet, look: &Look) -> Result<Table, JobError> {
     let mut table = Table::new(format!("{}: phase functions", sheet.material.title))
         .with_metadata("material", sheet.material.name.clone())
         .with_metadata("value", "per sr; integrates to 1 over the sphere; 0 deg is forward")
+        .with_metadata("kind", kind(look))
         .with_column("angle", "deg", angles.clone())?;
     for (wavelength, function) in sheet.bulk.grid().iter().zip(&look.functions) {
         let values = angles.iter().map(|angle| function.value(cosine(*angle))).collect();
         table = table.with_column(format!("phase_{}", format_length(wavelength).replace(' ', "")), "1/sr", values)?;
     }
     Ok(table)
+}
+
+/// What the phase functions are.
+fn kind(look: &Look) -> &'static str {
+    let stands_in = |function: &PhaseFunction| matches!(function, PhaseFunction::HenyeyGreenstein(_));
+    match look.functions.iter().filter(|function| stands_in(function)).count() {
+        0 => "exact, by Lorenz-Mie theory over all sizes",
+        _ => "Henyey-Greenstein of the exact asymmetry where particles are too large for exact phase functions",
+    }
 }
 
 fn phase_svg(sheet: &OpticsSheet, look: &Look) -> Result<String, JobError> {

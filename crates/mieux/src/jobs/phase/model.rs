@@ -152,7 +152,13 @@ impl PhaseModel {
                 let material = Recipe::find(material)?.material(set)?;
                 let phase = material.medium.phase_at(wavelength.metres(), tolerance);
                 let phase = phase.map_err(|source| JobError::Medium { material: material.name.clone(), source })?;
-                let idle = if phase == Isotropic.into() { ", which scatters nothing: taken for isotropic" } else { "" };
+                let idle = match &phase {
+                    PhaseFunction::Isotropic(_) => ", which scatters nothing: taken for isotropic",
+                    PhaseFunction::HenyeyGreenstein(_) => {
+                        ", whose particles are too large for exact phase functions: Henyey-Greenstein of the same asymmetry"
+                    }
+                    _ => "",
+                };
                 (format!("{} at {}{idle}", material.title, format_length(wavelength.metres())), phase)
             }
         };
