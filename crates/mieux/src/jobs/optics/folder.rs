@@ -124,7 +124,7 @@ fn phase_table(sheet: &OpticsSheet, look: &Look) -> Result<Table, JobError> {
 fn kind(look: &Look) -> &'static str {
     let stands_in = |function: &PhaseFunction| matches!(function, PhaseFunction::HenyeyGreenstein(_));
     match look.functions.iter().filter(|function| stands_in(function)).count() {
-        0 => "exact, by Lorenz-Mie theory over all sizes",
+        0 => "by Lorenz-Mie theory over all sizes, 1 - g right to 1 %",
         _ => "Henyey-Greenstein of the exact asymmetry where particles are too large for exact phase functions",
     }
 }

@@ -17,6 +17,8 @@ use super::stacks::ENDLESS;
 
 /// Layers that are shown, m; the first stands for endless depth.
 const THICKNESSES: [f64; 4] = [f64::INFINITY, 1e-3, 1e-2, 1e-1];
+/// Least relative tolerance of the phase functions: enough for pictures and colours, where more would take minutes for fogs.
+const TOLERANCE: f64 = 1e-2;
 /// Wavelengths that must be covered for a colour to mean something, m.
 const VISIBLE: (f64, f64) = (400e-9, 700e-9);
 
@@ -69,7 +71,8 @@ impl Look {
         context: &Context<'_>,
     ) -> Result<Self, JobError> {
         let streams = DiscreteOrdinates::default().streams;
-        let wanted = Wanted { degree: streams + super::Slab::MARGIN, functions: true, tolerance };
+        let wanted =
+            Wanted { degree: streams + super::Slab::MARGIN, functions: true, tolerance: tolerance.max(TOLERANCE) };
         context.say(Event::Begin(Stage::Phase));
         let count = Count { stage: Stage::Phase, done: AtomicU64::new(0), total: grid.len() as u64 };
         let matter = SpectralMatter::compute(material, grid, wanted, &count, context)?;
