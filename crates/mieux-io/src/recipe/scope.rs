@@ -315,7 +315,7 @@ mod tests {
         assert_eq!(text(&scope, "= ln(diameter - 2) um"), "0e0 um");
         assert_eq!(text(&scope, "= 1E3 * n + max(2., n) * sqrt(4)"), "2.004e12");
         assert_eq!(text(&self::scope(&[("minerals", 3.0), ("expo", 2.0)]), "= expo * minerals / 1e6"), "6e-6");
-        assert!(text(&scope, "= {n}").contains("braces"));
+        assert!(text(&scope, "= 2 * {n} um").contains("braces"));
         assert!(text(&scope, "= diametre / 2 um").contains("`diametre` is neither"));
         assert!(text(&scope, "= diameter / 0 um").contains("gives inf"));
         assert!(text(&scope, "= diameter / um").contains("formula"));
