@@ -76,8 +76,8 @@ impl Compare {
             (text, _) => wavelengths::chosen(text.as_ref(), materials.iter().map(|m| &m.medium))?,
         };
         let mut sides = Vec::new();
-        for material in materials {
-            sides.push(Side::computed(&OpticsSheet::compute(material, &grid, self.tolerance, context)?));
+        for (material, set) in materials.into_iter().zip([&self.set, &self.set_other]) {
+            sides.push(Side::computed(&OpticsSheet::compute(material, &grid, self.tolerance, context)?, set));
         }
         if let (Some(measured), Some(path)) = (&measured, &self.measured) {
             sides.push(Side::measured(path, measured, &grid));

@@ -1,5 +1,6 @@
 //! Optical properties side by side, as they are shown, tabulated and plotted.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use mieux_io::measured::{Measured, Property};
@@ -44,7 +45,8 @@ pub struct CompareSheet {
 }
 
 impl Side {
-    pub(super) fn computed(sheet: &OpticsSheet) -> Self {
+    /// A material; its title tells the inputs that were `set`.
+    pub(super) fn computed(sheet: &OpticsSheet, set: &BTreeMap<String, f64>) -> Self {
         let b = &sheet.bulk;
         let of = |property| match property {
             Property::Scattering => b.sigma_s().to_vec(),
@@ -55,7 +57,7 @@ impl Side {
             Property::IndexReal => b.n_real().to_vec(),
             Property::IndexImaginary => b.n_imag(),
         };
-        let changed = sheet.material.inputs.iter().filter(|(input, value)| input.default != *value);
+        let changed = sheet.material.inputs.iter().filter(|(input, _)| set.contains_key(&*input.name));
         let changed: Vec<String> =
             changed.map(|(input, value)| format!("{} {}", input.name, input.shown(*value))).collect();
         let title = match changed.as_slice() {
@@ -123,15 +125,9 @@ impl CompareSheet {
         self.grid.iter().map(|w| (w * 1e9 * 1e6).round() / 1e6).collect()
     }
 
-    /// Column names of the sides: their names where these differ, numbered otherwise.
-    fn labels(&self) -> Vec<String> {
-        let plain = |name: &str| name.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
-        let unique = |i: usize| self.sides.iter().filter(|side| side.name == self.sides[i].name).count() == 1;
-        let label = |(i, side): (usize, &Side)| match unique(i) {
-            true => plain(&side.title),
-            false => format!("{}_{}", plain(&side.name), i + 1),
-        };
-        self.sides.iter().enumerate().map(label).collect()
+    /// Letters for the sides, in their order, with what they stand for.
+    pub fn legend(&self) -> Vec<(char, &str)> {
+        ('a'..).zip(self.sides.iter().map(|side| side.title.as_str())).collect()
     }
 
     /// One column for each property that sides share and each side, with the differences as remarks.
@@ -141,6 +137,9 @@ impl CompareSheet {
     pub fn table(&self) -> Result<Table, JobError> {
         let titles: Vec<&str> = self.sides.iter().map(|side| side.title.as_str()).collect();
         let mut table = Table::new(titles.join(" and "));
+        for (letter, title) in self.legend() {
+            table = table.with_metadata(letter, title);
+        }
         for (i, side) in self.sides.iter().enumerate().skip(1) {
             for d in self.differences(i) {
                 let ratio = if d.mean_ratio.is_nan() {
@@ -159,11 +158,10 @@ impl CompareSheet {
             }
         }
         table = table.with_column("wavelength", "nm", self.nanometres())?;
-        let labels = self.labels();
         for property in self.shared() {
-            for (side, label) in self.sides.iter().zip(&labels) {
+            for (letter, side) in ('a'..).zip(&self.sides) {
                 if let Some(values) = side.get(property) {
-                    let name = format!("{}_{label}", property.name());
+                    let name = format!("{}_{letter}", property.name());
                     table = table.with_column(name, property.unit(), values.to_vec())?;
                 }
             }
