@@ -170,12 +170,25 @@ fn a_spectrum_has_a_function_for_every_wavelength() {
     assert!(spectral.asymmetry(550e-9).is_some() && spectral.asymmetry(700e-9).is_none());
 }
 
+/// What is too large keeps its asymmetry, in the function and in the moments.
+#[test]
+fn for_the_largest_another_function_stands_in() {
+    for diameter in [0.5e-3, 0.1] {
+        let medium = droplet(diameter);
+        let g = medium.optics_at(GREEN, 1e-4).unwrap().asymmetry;
+        let PhaseFunction::HenyeyGreenstein(stand_in) = medium.phase_at(GREEN, 1e-4).unwrap() else { panic!() };
+        assert!((stand_in.asymmetry() - g).abs() < 1e-9);
+        let moments = medium.legendre_moments_at(GREEN, 3, 1e-4).unwrap();
+        assert!((moments[2] - g * g).abs() < 1e-9 && moments[0] == 1.0);
+    }
+}
+
 #[test]
 fn what_cannot_be_computed_says_so() {
     for tolerance in [0.0, 1e-13, 2.0, f64::NAN] {
         assert!(matches!(droplet(1e-6).phase_at(GREEN, tolerance), Err(MediumError::Tolerance { .. })));
     }
     assert!(matches!(droplet(1e-6).phase_at(2e-6, 1e-4), Err(MediumError::Substance(_))));
-    assert!(matches!(droplet(1.0).phase_at(GREEN, 1e-4), Err(MediumError::Phase(_) | MediumError::Mie { .. })));
+    assert!(matches!(droplet(1e3).phase_at(GREEN, 1e-4), Err(MediumError::Mie { .. })));
     assert!(droplet(1e-6).phase_at(GREEN, 1.0).is_ok());
 }
