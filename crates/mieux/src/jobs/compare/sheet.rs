@@ -125,6 +125,10 @@ impl CompareSheet {
         self.grid.iter().map(|w| (w * 1e9 * 1e6).round() / 1e6).collect()
     }
 
+    fn title(&self) -> String {
+        self.sides.iter().map(|side| side.title.as_str()).collect::<Vec<_>>().join(" and ")
+    }
+
     /// Letters for the sides, in their order, with what they stand for.
     pub fn legend(&self) -> Vec<(char, &str)> {
         ('a'..).zip(self.sides.iter().map(|side| side.title.as_str())).collect()
@@ -135,8 +139,7 @@ impl CompareSheet {
     /// # Errors
     /// Never; the table checks the lengths of its columns.
     pub fn table(&self) -> Result<Table, JobError> {
-        let titles: Vec<&str> = self.sides.iter().map(|side| side.title.as_str()).collect();
-        let mut table = Table::new(titles.join(" and "));
+        let mut table = Table::new(self.title());
         for (letter, title) in self.legend() {
             table = table.with_metadata(letter, title);
         }
@@ -147,7 +150,7 @@ impl CompareSheet {
                 } else {
                     format!(
                         "{:.4} times that of {}, apart by at most a factor of {:.4}; ",
-                        d.mean_ratio, titles[0], d.largest_factor
+                        d.mean_ratio, self.sides[0].title, d.largest_factor
                     )
                 };
                 let rms = format!("rms difference {:.3e} {}", d.rms, d.property.unit());
@@ -198,7 +201,7 @@ impl CompareSheet {
     /// [`JobError::Plot`].
     pub fn svg(&self) -> Result<String, JobError> {
         let nanometres = self.nanometres();
-        let mut figure = Figure::new(self.table()?.title(), 2);
+        let mut figure = Figure::new(self.title(), 2);
         for property in self.shared() {
             let (title, y, scale) = match property {
                 Property::Scattering => ("Scattering", "Coefficient σₛ (1/m)", Scale::Log),

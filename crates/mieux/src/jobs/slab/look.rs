@@ -6,7 +6,7 @@ use mieux_io::quantity::format_length;
 use mieux_io::recipe::Material;
 use mieux_optics::phase::PhaseFunction;
 use mieux_optics::spectrum::WavelengthGrid;
-use mieux_optics::transfer::{DiscreteOrdinates, Ground, Incidence, Layer, Moments, Stack};
+use mieux_optics::transfer::{DiscreteOrdinates, Ground, Incidence, Stack};
 use serde_json::{Value, json};
 
 use super::super::{Context, Event, JobError, Stage};
@@ -111,15 +111,11 @@ fn colours(
 }
 
 fn stack(matter: &SpectralMatter, at: usize, thickness: f64, white: bool) -> Stack {
-    let extinction = matter.sigma_s[at] + matter.sigma_a[at];
-    let albedo = if extinction > 0.0 { matter.sigma_s[at] / extinction } else { 0.0 };
-    let moments = if albedo > 0.0 { matter.scattering[at].moments.clone() } else { Moments::isotropic() };
-    let optical = if thickness.is_finite() { thickness * extinction } else { ENDLESS };
-    let index = matter.index[at];
+    let optical = if thickness.is_finite() { thickness * matter.extinction(at) } else { ENDLESS };
     Stack {
         above: 1.0,
-        layers: vec![Layer::new(optical, albedo, moments).with_index(index)],
-        below: index,
+        layers: vec![matter.layer(at, optical)],
+        below: matter.index[at],
         ground: if white { Ground::Lambertian(1.0) } else { Ground::Black },
     }
 }

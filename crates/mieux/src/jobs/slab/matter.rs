@@ -9,7 +9,7 @@ use mieux_io::slab_file::phase::{self, PhaseChoice, PhaseTable};
 use mieux_optics::medium::MediumError;
 use mieux_optics::phase::{HenyeyGreenstein, Isotropic, PhaseFunction, Rayleigh, Tabulated};
 use mieux_optics::spectrum::WavelengthGrid;
-use mieux_optics::transfer::Moments;
+use mieux_optics::transfer::{Layer, Moments};
 use rayon::prelude::*;
 
 use super::super::{Context, JobError, Stage};
@@ -131,6 +131,19 @@ pub(super) struct Count {
 }
 
 impl SpectralMatter {
+    /// Extinction coefficient at a wavelength of the grid, 1/m.
+    pub fn extinction(&self, at: usize) -> f64 {
+        self.sigma_s[at] + self.sigma_a[at]
+    }
+
+    /// A layer of it at a wavelength of the grid, with the host's refractive index.
+    pub fn layer(&self, at: usize, optical_thickness: f64) -> Layer {
+        let extinction = self.extinction(at);
+        let albedo = if extinction > 0.0 { self.sigma_s[at] / extinction } else { 0.0 };
+        let moments = if albedo > 0.0 { self.scattering[at].moments.clone() } else { Moments::isotropic() };
+        Layer::new(optical_thickness, albedo, moments).with_index(self.index[at])
+    }
+
     pub fn compute(
         material: &Material,
         grid: &WavelengthGrid,

@@ -9,7 +9,7 @@ use mieux_io::slab_file::layers::{self, LayerSpec};
 use mieux_io::slab_file::phase::PhaseChoice;
 use mieux_optics::phase::{Isotropic, PhaseFunction};
 use mieux_optics::spectrum::WavelengthGrid;
-use mieux_optics::transfer::{Ground, Layer, Moments, Stack};
+use mieux_optics::transfer::{Ground, Layer, Stack};
 
 use super::super::{Context, Event, JobError, Stage, wavelengths};
 use super::matter::{Count, Scattering, SpectralMatter, Wanted};
@@ -196,10 +196,7 @@ impl Piece {
             }
             Matter::Spectral { matter, index } => {
                 let matter = &matters[*matter];
-                let extinction = matter.sigma_s[at] + matter.sigma_a[at];
-                let albedo = if extinction > 0.0 { matter.sigma_s[at] / extinction } else { 0.0 };
-                let moments = if albedo > 0.0 { matter.scattering[at].moments.clone() } else { Moments::isotropic() };
-                let layer = Layer::new(extent.optical(extinction), albedo, moments);
+                let layer = matter.layer(at, extent.optical(matter.extinction(at)));
                 (layer.with_index(index.unwrap_or(matter.index[at])), matter.scattering[at].function.clone())
             }
         }
