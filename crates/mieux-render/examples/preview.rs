@@ -26,18 +26,18 @@ fn liquid(name: &str) -> Fallible<(String, Medium)> {
     let n = spectrum(&[380.0, 480.0, 587.56, 780.0], &[1.357, 1.351, 1.347, 1.343])?;
     let grid = [380.0, 450.0, 550.0, 650.0, 780.0];
     let medium = match name {
-        "whole" => Medium {
-            sigma_s: spectrum(&grid, &[58_500.0, 60_500.0, 57_837.0, 54_000.0, 49_000.0])?,
-            sigma_a: spectrum(&grid, &[24.0, 17.0, 6.08, 3.6, 3.6])?,
-            g: spectrum(&grid, &[0.945, 0.951, 0.9544, 0.957, 0.959])?,
+        "whole" => Medium::new(
+            spectrum(&grid, &[58_500.0, 60_500.0, 57_837.0, 54_000.0, 49_000.0])?,
+            spectrum(&grid, &[24.0, 17.0, 6.08, 3.6, 3.6])?,
+            spectrum(&grid, &[0.945, 0.951, 0.9544, 0.957, 0.959])?,
             n,
-        },
-        "skimmed" => Medium {
-            sigma_s: spectrum(&grid, &[4_300.0, 2_300.0, 1_283.0, 820.0, 500.0])?,
-            sigma_a: spectrum(&grid, &[16.0, 10.0, 1.5, 1.2, 2.4])?,
-            g: spectrum(&grid, &[0.27, 0.24, 0.20, 0.18, 0.16])?,
+        ),
+        "skimmed" => Medium::new(
+            spectrum(&grid, &[4_300.0, 2_300.0, 1_283.0, 820.0, 500.0])?,
+            spectrum(&grid, &[16.0, 10.0, 1.5, 1.2, 2.4])?,
+            spectrum(&grid, &[0.27, 0.24, 0.20, 0.18, 0.16])?,
             n,
-        },
+        ),
         "water" => {
             let n = spectrum(&[380.0, 480.0, 587.56, 780.0], &[1.343, 1.337, 1.333, 1.329])?;
             Medium::clear(spectrum(&grid, &[0.011, 0.0092, 0.057, 0.34, 2.36])?, n).ok_or("water")?

@@ -94,12 +94,12 @@ fn a_deep_slab_returns_the_exact_total() {
 /// The same where every wavelength scatters and absorbs differently: a path found for one stands for the others.
 #[test]
 fn wavelengths_share_their_paths() {
-    let medium = Medium {
-        sigma_s: spectrum([80_000.0, 40_000.0, 20_000.0]),
-        sigma_a: spectrum([2_000.0, 100.0, 10.0]),
-        g: spectrum([0.3, 0.3, 0.3]),
-        n: spectrum([1.35, 1.35, 1.35]),
-    };
+    let medium = Medium::new(
+        spectrum([80_000.0, 40_000.0, 20_000.0]),
+        spectrum([2_000.0, 100.0, 10.0]),
+        spectrum([0.3, 0.3, 0.3]),
+        spectrum([1.35, 1.35, 1.35]),
+    );
     let slab = slab(medium, 0.1, true);
     let down = Ray { origin: slab.camera().position(), direction: -DVec3::Z };
     for companions in [true, false] {

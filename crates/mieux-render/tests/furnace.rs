@@ -8,7 +8,7 @@ use common::{RANGE, by_wavelength, flat_sky, paths, spectrum};
 use mieux_render::integrator::Transport;
 use mieux_render::light::constant;
 use mieux_render::medium::Medium;
-use mieux_render::scene::{GlassScene, Prepared, Scene, glasses};
+use mieux_render::scene::{Finish, GlassScene, Prepared, Scene, glasses};
 
 fn scene(milk: Medium, table: bool) -> Scene {
     let glass = Medium::clear(constant(0.0).unwrap(), spectrum([1.54, 1.523, 1.517])).unwrap();
@@ -17,7 +17,8 @@ fn scene(milk: Medium, table: bool) -> Scene {
     let mut scene = glasses(&wanted).unwrap();
     scene.environment = flat_sky();
     if table {
-        scene.surfaces[0].reflectance = constant(1.0).unwrap();
+        let white = constant(1.0).unwrap();
+        scene.surfaces[0].finish = Finish::Diffuse { reflectance: white, both_sides: true };
     } else {
         scene.surfaces.clear();
     }
@@ -44,12 +45,12 @@ fn assert_invisible(scene: &Scene, transport: &Transport, n: u64, share: f64, wh
 }
 
 fn chromatic() -> Medium {
-    Medium {
-        sigma_s: spectrum([9_000.0, 7_000.0, 5_000.0]),
-        sigma_a: constant(0.0).unwrap(),
-        g: spectrum([0.80, 0.85, 0.88]),
-        n: spectrum([1.357, 1.347, 1.343]),
-    }
+    Medium::new(
+        spectrum([9_000.0, 7_000.0, 5_000.0]),
+        constant(0.0).unwrap(),
+        spectrum([0.80, 0.85, 0.88]),
+        spectrum([1.357, 1.347, 1.343]),
+    )
 }
 
 #[test]

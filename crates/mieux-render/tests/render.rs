@@ -15,12 +15,12 @@ use mieux_render::render::{Flow, Outcome, RenderError, RenderSettings, StopRule,
 use mieux_render::scene::{GlassScene, Prepared, Scene, SceneError, glasses};
 
 fn small_glass() -> Scene {
-    let milk = Medium {
-        sigma_s: spectrum([4_000.0, 1_500.0, 800.0]),
-        sigma_a: spectrum([20.0, 2.0, 1.0]),
-        g: spectrum([0.6, 0.5, 0.4]),
-        n: spectrum([1.357, 1.347, 1.343]),
-    };
+    let milk = Medium::new(
+        spectrum([4_000.0, 1_500.0, 800.0]),
+        spectrum([20.0, 2.0, 1.0]),
+        spectrum([0.6, 0.5, 0.4]),
+        spectrum([1.357, 1.347, 1.343]),
+    );
     let glass = Medium::clear(constant(1.0).unwrap(), constant(1.52).unwrap()).unwrap();
     let mut wanted = GlassScene::new(vec![("milk".into(), milk)], glass);
     wanted.resolution = [50, 37];
@@ -132,10 +132,10 @@ fn bad_settings_and_scenes_are_refused() {
     assert!(matches!(error(open), SceneError::NotClosed { name } if name == "milk"));
     let mut short = scene.clone();
     short.wavelength_range = (380e-9, 780e-9);
-    short.bodies[1].medium.g = Medium::grey(0.0, 0.0, 1.0, 1.0).unwrap().g;
+    short.bodies[1].medium.parts[0].phase = Medium::grey(0.0, 0.0, 1.0, 1.0).unwrap().parts[0].phase.clone();
     assert!(matches!(error(short), SceneError::Medium { .. }));
     let mut dark = scene.clone();
-    dark.bodies[0].medium.sigma_a = constant(-1.0).unwrap();
+    dark.bodies[0].medium.parts[0].sigma_a = constant(-1.0).unwrap();
     assert!(error(dark).to_string().contains("sigma_a = -1"));
     let mut beyond = scene;
     beyond.wavelength_range = (300e-9, 700e-9);

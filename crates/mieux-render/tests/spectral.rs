@@ -15,12 +15,12 @@ use mieux_render::scene::Prepared;
 /// The reflectance of a slab whose every property changes with wavelength, bin by bin.
 #[test]
 fn companions_change_nothing_but_the_noise() {
-    let medium = Medium {
-        sigma_s: spectrum([6_000.0, 3_000.0, 2_000.0]),
-        sigma_a: spectrum([500.0, 60.0, 10.0]),
-        g: spectrum([0.3, 0.6, 0.7]),
-        n: spectrum([1.36, 1.34, 1.33]),
-    };
+    let medium = Medium::new(
+        spectrum([6_000.0, 3_000.0, 2_000.0]),
+        spectrum([500.0, 60.0, 10.0]),
+        spectrum([0.3, 0.6, 0.7]),
+        spectrum([1.36, 1.34, 1.33]),
+    );
     let slab = slab(medium, 1e-3, true);
     let down = Ray { origin: slab.camera().position(), direction: -DVec3::Z };
     let run = |companions, dispersion| {
@@ -46,7 +46,8 @@ fn companions_change_nothing_but_the_noise() {
 fn a_camera_in_water_sees_the_square_of_the_index() {
     let n = spectrum([1.36, 1.33, 1.32]);
     let clear = Medium::clear(constant(0.0).unwrap(), n.clone()).unwrap();
-    let turbid = Medium { sigma_s: constant(50.0).unwrap(), g: constant(0.5).unwrap(), ..clear.clone() };
+    let of = |value| constant(value).unwrap();
+    let turbid = Medium::new(of(50.0), of(0.0), of(0.5), clear.n.clone());
     for medium in [clear, turbid] {
         let ball = body("ball", sphere([0.0; 3], 0.1, 48).unwrap(), medium, 0);
         let inside = Prepared::new(&scene(vec![ball], vec![], [0.03, 0.02, 0.01], [0.0; 3])).unwrap();

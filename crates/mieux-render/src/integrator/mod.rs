@@ -1,7 +1,12 @@
 //! Follows light backwards from the camera: a spectral volumetric path tracer.
 
+mod cloud;
+mod direct;
+mod finish;
+mod fog;
 mod interface;
 mod path;
+mod rough;
 mod statistics;
 mod subsurface;
 mod throughput;

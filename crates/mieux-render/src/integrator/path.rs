@@ -1,14 +1,17 @@
 //! One path from the camera into the light.
 
+use super::direct::View;
 use super::interface::Interface;
 use super::throughput::{ROULETTE, Throughput};
 use super::turbid::MediumLanes;
 use super::walk::{Flight, WalkEnd, walk};
 use super::{LANES, Lanes, Statistics, Transport};
 use crate::geometry::{Accelerator, Hit, Ray};
+use crate::light::SkyLanes;
+use crate::medium::Matter;
 use crate::sampler::PixelSampler;
-use crate::scene::{Owner, Prepared};
-use crate::surface::{Crossing, Interior, cosine_hemisphere};
+use crate::scene::{Owner, Prepared, Way};
+use crate::surface::{Crossing, Interior};
 
 /// What one path tells: wavelengths (m, the hero first) and an estimate of the radiance at each.
 ///
@@ -24,9 +27,6 @@ pub struct Estimate {
 
 /// Most surfaces one path may meet.
 const MOST_SURFACES: u32 = 200_000;
-
-/// Directions towards the light sampled at a diffuse surface: cheap beside a walk through milk.
-const LIGHTS: u32 = 4;
 
 /// Surfaces in a row, without scattering in between, at which smooth normals are believed. Mirrored between smooth
 /// normals that differ from their facets, light can run in circles for ever; between facets it finds its way out.
@@ -51,15 +51,19 @@ pub fn trace(
         exclude: Accelerator::NONE,
         interior,
         medium: MediumLanes::vacuum(),
+        matter: None,
+        way: Way::Straight,
+        looking: false,
+        sky: scene.lights().sky(&wavelengths),
         walked: 0.0,
         in_a_row: 0,
         throughput: Throughput::new(transport.companions),
-        scattered: None,
+        view: None,
         radiance: [0.0; LANES],
         sampler,
         statistics,
     };
-    path.medium = path.medium_of(&interior);
+    path.enter(interior, path.medium_of(&interior));
     // The camera sees L = n^2 (L / n^2), with the index it stands in.
     let scale = path.medium.n_geometry.map(|n| n * n);
     path.statistics.paths += 1;
@@ -70,21 +74,29 @@ pub fn trace(
 
 pub(super) struct Path<'a> {
     pub(super) scene: &'a Prepared,
-    transport: &'a Transport,
+    pub(super) transport: &'a Transport,
     pub(super) wavelengths: Lanes,
     pub(super) ray: Ray,
     /// The triangle the ray has just left.
     pub(super) exclude: u32,
     pub(super) interior: Interior,
     pub(super) medium: MediumLanes,
+    /// What scatters in the present medium, where it takes more than a walk.
+    pub(super) matter: Option<Matter<'a>>,
+    /// How light gets through the present medium.
+    way: Way,
+    /// Whether lights are looked for from within the present medium.
+    pub(super) looking: bool,
+    /// Spectra of the surroundings.
+    pub(super) sky: SkyLanes,
     /// Distance walked in the present medium since it was entered, m.
     walked: f64,
     /// Surfaces met since the last scattering.
     pub(super) in_a_row: u32,
     pub(super) throughput: Throughput,
-    /// Density of the last direction, where light could also have been sampled directly.
-    pub(super) scattered: Option<f64>,
-    radiance: Lanes,
+    /// Where light was last looked for directly.
+    pub(super) view: Option<View>,
+    pub(super) radiance: Lanes,
     pub(super) sampler: &'a mut PixelSampler,
     pub(super) statistics: &'a mut Statistics,
 }
@@ -92,15 +104,17 @@ pub(super) struct Path<'a> {
 impl Path<'_> {
     fn run(&mut self) {
         for _ in 0..MOST_SURFACES {
-            let met = match self.medium.turbid {
-                None => self.straight(),
-                Some(_) => self.scatter(),
+            let met = match self.way {
+                Way::Straight => self.straight(),
+                Way::Walk => self.scatter(),
+                Way::Fog => self.fog(),
+                Way::Cloud => self.cloud(),
             };
             let Some(hit) = met else { return };
             self.statistics.surfaces += 1;
             let goes_on = match self.scene.owner(hit.owner) {
                 Owner::Body(body) => self.cross(&hit, body),
-                Owner::Surface(surface) => self.diffuse(&hit, surface),
+                Owner::Surface(surface) => self.meet(&hit, surface),
             };
             if !goes_on || !self.throughput.survives(ROULETTE, || self.sampler.uniform()) {
                 return;
@@ -124,6 +138,7 @@ impl Path<'_> {
     fn scatter(&mut self) -> Option<Hit> {
         let turbid = self.medium.turbid?;
         self.in_a_row = 0;
+        self.view = None;
         let limit = turbid.similarity_length();
         let (mut end, mut medium) = (WalkEnd::Length, turbid);
         while let WalkEnd::Length = end {
@@ -148,28 +163,25 @@ impl Path<'_> {
         }
     }
 
-    /// The ray leaves the scene: the light of that direction, weighed against having been sampled directly.
+    /// The ray leaves the scene: the light of that direction, weighed against having been looked for directly.
     fn escape(&mut self) {
         if !self.interior.is_empty() {
             self.statistics.lost += 1;
             return;
         }
-        let light = self.scene.light(&self.wavelengths);
-        let pattern = self.scene.pattern();
-        let weight = self
-            .scattered
-            .map_or(1.0, |density| density / (density + f64::from(LIGHTS) * pattern.density(self.ray.direction)));
-        self.gather(&light, weight * pattern.value(self.ray.direction));
+        let light = self.scene.lights().surroundings(self.ray.direction, &self.sky);
+        let looked = self.view.map_or([0.0; LANES], |view| view.density_of_surroundings(self.scene, self.ray.direction));
+        self.gather(&light, &looked);
     }
 
-    fn gather(&mut self, light: &Lanes, factor: f64) {
-        let added = self.throughput.estimate(light);
-        (0..LANES).for_each(|k| self.radiance[k] += added[k] * factor);
+    /// Light met by chance, that would have been looked for with the density `looked`.
+    pub(super) fn gather(&mut self, light: &Lanes, looked: &Lanes) {
+        let added = self.throughput.estimate_beside(light, looked);
+        (0..LANES).for_each(|k| self.radiance[k] += added[k]);
     }
 
     /// The surface of a body: through, or reflected, or refracted.
     fn cross(&mut self, hit: &Hit, body: u16) -> bool {
-        self.scattered = None;
         let mut normals = self.scene.accelerator().normals(hit);
         self.in_a_row += 1;
         if self.in_a_row > MOST_SMOOTH {
@@ -181,14 +193,25 @@ impl Path<'_> {
         match self.interior.cross(body, entering, |b| self.scene.priority(b)) {
             Crossing::Inconsistent => self.statistics.inconsistencies += 1,
             Crossing::Hidden(next) => self.interior = next,
-            Crossing::Interface(next) => return self.interface(normals, next),
+            Crossing::Interface(next) => {
+                let beyond = self.medium_of(&next);
+                if beyond.n == self.medium.n && beyond.n_geometry == self.medium.n_geometry {
+                    self.enter(next, beyond);
+                    return true;
+                }
+                if let Some(facets) = self.scene.roughness(body) {
+                    return self.rough(normals, next, &beyond, facets);
+                }
+                return self.interface(normals, next, &beyond);
+            }
         }
         true
     }
 
-    fn interface(&mut self, normals: (glam::DVec3, glam::DVec3), next: Interior) -> bool {
-        let beyond = self.medium_of(&next);
-        let interface = Interface::new(self.ray.direction, normals, &self.medium, &beyond);
+    fn interface(&mut self, normals: (glam::DVec3, glam::DVec3), next: Interior, beyond: &MediumLanes) -> bool {
+        self.view = None;
+        self.throughput.forget();
+        let interface = Interface::new(self.ray.direction, normals, &self.medium, beyond);
         let xi = self.sampler.uniform();
         if xi < interface.reflectance[0] {
             self.throughput.choose(&interface.reflectance);
@@ -198,7 +221,7 @@ impl Path<'_> {
         self.throughput.choose(&interface.reflectance.map(|r| 1.0 - r));
         if self.transport.diffusion
             && beyond.turbid.is_some()
-            && let Some(entry) = self.diffusing(&next, &beyond)
+            && let Some(entry) = self.diffusing(&next, beyond)
         {
             let facet = normals.0 * -self.ray.direction.dot(normals.0).signum();
             return self.emerge(&entry, facet);
@@ -210,61 +233,22 @@ impl Path<'_> {
         };
         self.throughput.keep(|lane| interface.bends_alike(lane));
         self.ray.direction = direction;
-        self.interior = next;
-        self.medium = beyond;
-        self.walked = 0.0;
+        self.enter(next, *beyond);
         true
     }
 
-    /// An opaque diffuse surface: gathers light sampled directly, then goes on in a random direction. Only the facet's own
-    /// normal counts here: with a smooth one in its place a white surface would lose a little light at every bend.
-    fn diffuse(&mut self, hit: &Hit, surface: u16) -> bool {
-        let facet = self.scene.accelerator().normals(hit).0;
-        let normal = if self.ray.direction.dot(facet) > 0.0 { -facet } else { facet };
-        self.ray.origin = self.ray.at(hit.t);
-        self.exclude = hit.triangle;
-        self.in_a_row = 0;
-        self.throughput.absorb(&self.scene.reflectance(surface, &self.wavelengths));
-        let direction = self.lit(normal, |_| [1.0; LANES]);
-        self.ray.direction = direction;
-        true
-    }
-
-    /// At a point that sends light diffusely about `normal`, the given share of it: gathers the light sampled directly, and
-    /// draws the direction in which the path goes on.
-    pub(super) fn lit(&mut self, normal: glam::DVec3, share: impl Fn(glam::DVec3) -> Lanes) -> glam::DVec3 {
-        // From inside a body the light is only reached by refraction, which no straight line finds.
-        let open = self.interior.is_empty();
-        let ([u, v], for_direction) = (self.sampler.pair(), self.sampler.pair());
-        if open {
-            for k in 0..LIGHTS {
-                // One draw, turned: the samples stratify the choice and the place of the light between them.
-                let turn = f64::from(k) / f64::from(LIGHTS);
-                self.direct(normal, [(u + turn).fract(), (v + turn).fract()], &share);
-            }
+    /// The path goes on in another medium.
+    pub(super) fn enter(&mut self, next: Interior, medium: MediumLanes) {
+        let top = next.top(|b| self.scene.priority(b));
+        (self.interior, self.medium, self.walked) = (next, medium, 0.0);
+        (self.way, self.looking) = (self.scene.way(top), self.scene.looks_from(top));
+        self.matter = match (self.way, top) {
+            (Way::Fog | Way::Cloud, Some(body)) => Some(self.scene.matter(body, &self.wavelengths)),
+            _ => None,
+        };
+        if self.way == Way::Walk && self.medium.turbid.is_none() {
+            self.way = Way::Straight;
         }
-        let (direction, density) = cosine_hemisphere(normal, for_direction);
-        self.scattered = open.then_some(density);
-        self.throughput.absorb(&share(direction));
-        direction
-    }
-
-    /// Next-event estimation: one direction sampled by the light's brightness.
-    fn direct(&mut self, normal: glam::DVec3, xi: [f64; 2], share: impl Fn(glam::DVec3) -> Lanes) {
-        let pattern = self.scene.pattern();
-        let (direction, density) = pattern.sample(xi);
-        let cosine = direction.dot(normal);
-        if !(cosine > 0.0 && density > 0.0) {
-            return;
-        }
-        let shadow = Ray { origin: self.ray.origin, direction };
-        if self.scene.accelerator().occluded(&shadow, f64::INFINITY, self.exclude) {
-            return;
-        }
-        let diffuse = cosine * std::f64::consts::FRAC_1_PI;
-        let (light, share) = (self.scene.light(&self.wavelengths), share(direction));
-        let light = std::array::from_fn(|k| light[k] * share[k]);
-        self.gather(&light, pattern.value(direction) * diffuse / (f64::from(LIGHTS) * density + diffuse));
     }
 
     pub(super) fn medium_of(&self, interior: &Interior) -> MediumLanes {

@@ -61,7 +61,7 @@ impl Path<'_> {
         (0..LANES).for_each(|k| exit.share[k] *= relative[k]);
         self.throughput.jump(&exit.share, &exit.density);
         (self.ray.origin, self.exclude, self.in_a_row) = (exit.place, exit.triangle, 0);
-        (self.interior, self.medium) = (exit.outside, outside);
+        self.enter(exit.outside, outside);
         let (normal, inside) = (exit.normal, entry.inside);
         if outside.n_geometry[0] > inside.n_geometry[0] && !self.interior.is_empty() {
             return self.refracted_out(normal, &inside, &outside);
@@ -81,7 +81,7 @@ impl Path<'_> {
         self.throughput.absorb(&std::array::from_fn(|k| {
             (1.0 - interface.reflectance[k]) * (inside.n_geometry[k] / outside.n_geometry[k]).powi(2)
         }));
-        (self.ray.direction, self.scattered) = (direction, None);
+        (self.ray.direction, self.view) = (direction, None);
         true
     }
 

@@ -2,15 +2,57 @@
 
 use super::{LANES, Lanes};
 
-/// Per wavelength: the measurement `f` and the density `p` of the path had that wavelength been the hero, both up to
-/// one common factor.
+/// Per wavelength: the measurement `f`, the density `p` of the path had that wavelength been the hero, and the density `l`
+/// of the path up to where light was last looked for directly, all up to one common factor.
 ///
-/// Single-sample multiple importance sampling with the balance heuristic (`wilkie2014`): wavelength `i` contributes
-/// `f_i / mean(p)`. A companion that could not have made the path has `p = 0`.
+/// Single-sample multiple importance sampling with the balance heuristic (`wilkie2014`, `miller2019`): wavelength `i`
+/// contributes `f_i / mean(p + l q)` to light that would have been looked for with the density `q`. A companion that could
+/// not have made the path has `p = 0`; where no light was looked for, `l = 0`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Throughput {
     f: Lanes,
     p: Lanes,
+    l: Lanes,
+}
+
+/// What a ray towards a light carries: measurement, density of finding it by chance, and by looking.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shadow {
+    pub(crate) f: Lanes,
+    pub(crate) p: Lanes,
+    pub(crate) l: Lanes,
+}
+
+impl Shadow {
+    /// The radiance it adds at the start of the path.
+    pub(crate) fn estimate(&self) -> Lanes {
+        let sum: f64 = (0..LANES).map(|k| self.p[k] + self.l[k]).sum();
+        let scale = if sum > 0.0 { LANES as f64 / sum } else { 0.0 };
+        self.f.map(|f| f * scale)
+    }
+
+    /// Through homogeneous matter that the path would have to get through by chance.
+    pub(crate) fn pass(&mut self, transmittance: &Lanes) {
+        for k in 0..LANES {
+            self.f[k] *= transmittance[k];
+            self.p[k] *= transmittance[k];
+        }
+    }
+
+    /// Through clear matter.
+    pub(crate) fn absorb(&mut self, transmittance: &Lanes) {
+        (0..LANES).for_each(|k| self.f[k] *= transmittance[k]);
+    }
+
+    /// An event of density `seen` for the path and `tracked` for the ray, whose light share is `seen`.
+    pub(crate) fn track(&mut self, seen: &Lanes, tracked: &Lanes) {
+        let scale = 1.0 / tracked[0];
+        for k in 0..LANES {
+            self.f[k] *= seen[k] * scale;
+            self.p[k] *= seen[k] * scale;
+            self.l[k] *= tracked[k] * scale;
+        }
+    }
 }
 
 /// Below this share a path is continued by chance only, at surfaces.
@@ -22,7 +64,7 @@ pub(crate) const WALK_ROULETTE: f64 = 0.5;
 impl Throughput {
     pub(crate) fn new(companions: bool) -> Self {
         let lanes = std::array::from_fn(|k| if k == 0 || companions { 1.0 } else { 0.0 });
-        Self { f: lanes, p: lanes }
+        Self { f: lanes, p: lanes, l: [0.0; LANES] }
     }
 
     /// The share of light that the path carries, averaged over its wavelengths: 1 until something is absorbed. The
@@ -39,6 +81,44 @@ impl Throughput {
         std::array::from_fn(|k| self.f[k] * radiance[k] * scale)
     }
 
+    /// The same for light that was also looked for, with the density `looked`.
+    pub(crate) fn estimate_beside(&self, radiance: &Lanes, looked: &Lanes) -> Lanes {
+        let sum: f64 = (0..LANES).map(|k| self.p[k] + self.l[k] * looked[k]).sum();
+        let scale = if sum > 0.0 { LANES as f64 / sum } else { 0.0 };
+        std::array::from_fn(|k| self.f[k] * radiance[k] * scale)
+    }
+
+    /// From here light is looked for directly.
+    pub(crate) fn mark(&mut self) {
+        self.l = self.p;
+    }
+
+    /// What comes now could not have been found by looking for light directly.
+    pub(crate) fn forget(&mut self) {
+        self.l = [0.0; LANES];
+    }
+
+    /// A ray towards a light, from here: the share of its `radiance` that goes on along the path, the density of that
+    /// direction by chance and by looking.
+    pub(crate) fn towards(&self, share: &Lanes, chance: &Lanes, looked: &Lanes) -> Shadow {
+        Shadow {
+            f: std::array::from_fn(|k| self.f[k] * share[k]),
+            p: std::array::from_fn(|k| self.p[k] * chance[k]),
+            l: std::array::from_fn(|k| self.p[k] * looked[k]),
+        }
+    }
+
+    /// An event of density `chance` for each wavelength, that lets through the share of light of the same size; light looked
+    /// for from before it would have come there with the density `tracked`.
+    pub(crate) fn pass(&mut self, chance: &Lanes, tracked: &Lanes) {
+        let scale = 1.0 / chance[0];
+        for k in 0..LANES {
+            self.f[k] *= chance[k] * scale;
+            self.p[k] *= chance[k] * scale;
+            self.l[k] *= tracked[k] * scale;
+        }
+    }
+
     /// Absorption along the way: no chance is involved.
     pub(crate) fn absorb(&mut self, share: &Lanes) {
         (0..LANES).for_each(|k| self.f[k] *= share[k]);
@@ -51,6 +131,7 @@ impl Throughput {
             let ratio = chance[k] / chance[0];
             self.f[k] *= ratio;
             self.p[k] *= ratio;
+            self.l[k] /= chance[0];
         }
     }
 
@@ -60,18 +141,19 @@ impl Throughput {
         for k in 0..LANES {
             self.f[k] *= share[k] * scale;
             self.p[k] *= density[k] * scale;
+            self.l[k] *= scale;
         }
     }
 
     /// Ends the companions for which `same` is false: they would have gone elsewhere.
     pub(crate) fn keep(&mut self, same: impl Fn(usize) -> bool) {
         for k in (1..LANES).filter(|&k| !same(k)) {
-            (self.f[k], self.p[k]) = (0.0, 0.0);
+            (self.f[k], self.p[k], self.l[k]) = (0.0, 0.0, 0.0);
         }
     }
 
     /// A random walk: logarithms of its density for each wavelength relative to the hero's, and of the share of
-    /// light left by absorption.
+    /// light left by absorption. Light looked for from before it is forgotten.
     pub(crate) fn walk(&mut self, log_density: &Lanes, log_left: &Lanes) {
         let highest = (0..LANES).filter(|&k| self.p[k] > 0.0).map(|k| log_density[k]).fold(f64::NEG_INFINITY, f64::max);
         let mut sum = 0.0;
@@ -83,6 +165,7 @@ impl Throughput {
                 sum += self.p[k];
             }
         }
+        self.forget();
         // The common factor is free; keep it near 1.
         if sum > 0.0 {
             let scale = 1.0 / sum;

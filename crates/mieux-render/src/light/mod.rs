@@ -1,14 +1,21 @@
-//! Light from all around, infinitely far away (frisvad2012, 4.2.3).
+//! Light: from all around, infinitely far away (frisvad2012, 4.2.3), from lamps without extent, and from surfaces that shine.
 
 mod dome;
+mod image;
+mod lamp;
+mod lights;
 mod soft_box;
 mod studio;
 
 pub use dome::Dome;
+pub use image::{MOST_CHANNELS, SkyImage};
+pub use lamp::Lamp;
+pub(crate) use lights::{Emitter, Lights, Problem, Segment, SkyLanes, Viewpoint};
 pub use soft_box::SoftBox;
 pub use studio::Studio;
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use glam::DVec3;
 use mieux_optics::spectrum::{Sampled, WavelengthGrid, d65};
@@ -34,11 +41,31 @@ pub enum LightError {
         /// What is asked of it.
         rule: &'static str,
     },
-    /// A soft box needs a direction.
-    #[error("a soft box cannot lie in the direction {direction:?}")]
+    /// A soft box or a lamp needs a direction.
+    #[error("{direction:?} is no direction for a light")]
     Direction {
         /// The offending direction.
         direction: [f64; 3],
+    },
+    /// A lamp stands somewhere.
+    #[error("a lamp cannot stand at {position:?} m")]
+    Position {
+        /// The offending position, m.
+        position: [f64; 3],
+    },
+    /// Angles of a spot light.
+    #[error("a spot light with half angles of {cutoff} degrees for its cone and {beam_width} for its beam; the cone lies above 0 and up to 180 degrees, the beam within it")]
+    Cone {
+        /// Of the cone, degrees.
+        cutoff: f64,
+        /// Of the beam, degrees.
+        beam_width: f64,
+    },
+    /// A picture of the surroundings.
+    #[error("a picture cannot be the surroundings: {reason}")]
+    Image {
+        /// What is wrong.
+        reason: String,
     },
 }
 
@@ -49,6 +76,8 @@ pub enum Pattern {
     Uniform,
     /// A photographer's studio.
     Studio(Studio),
+    /// A picture, with spectra of its own that multiply the environment's.
+    Image(Arc<SkyImage>),
 }
 
 /// Light from everywhere, seen in air (index 1): one spectrum times a pattern over direction.
@@ -76,12 +105,40 @@ impl Environment {
 }
 
 impl Pattern {
-    /// Brightness from a direction (a unit vector towards the light).
+    /// Brightness from a direction (a unit vector towards the light); of a picture, the mean of its channels.
     pub fn value(&self, direction: DVec3) -> f64 {
         match self {
             Self::Uniform => 1.0,
             Self::Studio(studio) => studio.value(direction),
+            Self::Image(image) => {
+                let mut values = [0.0; MOST_CHANNELS];
+                let count = image.values(direction, &mut values);
+                values[..count].iter().sum::<f64>() / count as f64
+            }
         }
+    }
+
+    /// The brightest value and the mean, from directions all over the sphere.
+    fn peak_and_mean(&self) -> (f64, f64) {
+        if let Self::Uniform = self {
+            return (1.0, 1.0);
+        }
+        let (rows, columns) = (128u32, 256u32);
+        let (mut peak, mut sum) = (0f64, 0.0);
+        for i in 0..rows {
+            for j in 0..columns {
+                let z = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(rows);
+                let value = self.value(about_z(z, (f64::from(j) + 0.5) / f64::from(columns)));
+                peak = peak.max(value);
+                sum += value;
+            }
+        }
+        // What is too small to be met by the directions above is met by those drawn.
+        let shares = [0.03, 0.17, 0.29, 0.41, 0.53, 0.67, 0.79, 0.97];
+        for xi in shares.iter().flat_map(|a| shares.map(|b| [*a, b])) {
+            peak = peak.max(self.value(self.sample(xi).0));
+        }
+        (peak, sum / f64::from(rows * columns))
     }
 
     /// Density of [`Self::sample`] in a direction, per solid angle.
@@ -89,6 +146,7 @@ impl Pattern {
         match self {
             Self::Uniform => 0.25 / PI,
             Self::Studio(studio) => studio.density(direction),
+            Self::Image(image) => image.density(direction),
         }
     }
 
@@ -97,6 +155,7 @@ impl Pattern {
         let direction = match self {
             Self::Uniform => about_z(1.0 - 2.0 * xi[0], xi[1]),
             Self::Studio(studio) => studio.sample(xi),
+            Self::Image(image) => image.sample(xi),
         };
         (direction, self.density(direction))
     }

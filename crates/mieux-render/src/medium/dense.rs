@@ -46,6 +46,33 @@ impl Dense {
         self.values[below] + (self.values[below + 1] - self.values[below]) * t
     }
 
+    /// The same wavelengths, other values.
+    pub(crate) fn map(&self, f: impl Fn(f64) -> f64) -> Self {
+        Self { values: self.values.iter().map(|&v| f(v)).collect(), ..*self }
+    }
+
+    /// The same wavelengths, values by wavelength (m).
+    pub(crate) fn by_wavelength(&self, f: impl Fn(f64) -> f64) -> Self {
+        let end = self.start + (self.values.len() - 1) as f64 / self.per_metre;
+        let at = |i: usize| f((self.start + i as f64 / self.per_metre).min(end));
+        Self { values: (0..self.values.len()).map(at).collect(), ..*self }
+    }
+
+    /// The sum of two on the same range.
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Self { values: self.values.iter().zip(&other.values).map(|(a, b)| a + b).collect(), ..*self }
+    }
+
+    /// Mean over the rendered range.
+    pub(crate) fn mean(&self) -> f64 {
+        self.values.iter().sum::<f64>() / self.values.len() as f64
+    }
+
+    /// Whether all values are as asked.
+    pub(crate) fn all(&self, f: impl Fn(f64) -> bool) -> bool {
+        self.values.iter().all(|&v| f(v))
+    }
+
     /// Rounded to twelve digits after the point, so that media meant to have equal indices have.
     pub(crate) fn rounded(mut self) -> Self {
         self.values.iter_mut().for_each(|v| *v = (*v * 1e12).round() / 1e12);

@@ -6,9 +6,8 @@ use mieux_optics::spectrum::{Sampled, WavelengthGrid};
 use mieux_optics::transfer::diffusion::{Boundary, DiffusionMedium, Dipole};
 
 use super::Body;
-use super::prepared::DenseMedium;
 use crate::integrator::{LANES, Lanes};
-use crate::medium::Dense;
+use crate::medium::{Dense, DenseMedium};
 
 /// A body thinner than so many transport mean free paths, at any wavelength, is no place for diffusion.
 const LEAST_PATHS: f64 = 10.0;
@@ -86,6 +85,9 @@ fn wavelengths((low, high): (f64, f64)) -> Vec<f64> {
 }
 
 fn is_dense(body: &Body, medium: &DenseMedium, range: (f64, f64)) -> bool {
+    if !medium.walkable {
+        return false;
+    }
     let corners = || (0..body.mesh.triangles().len()).flat_map(|t| body.mesh.corners(t));
     let low = corners().fold(glam::DVec3::INFINITY, |low, corner| low.min(corner));
     let high = corners().fold(glam::DVec3::NEG_INFINITY, |high, corner| high.max(corner));

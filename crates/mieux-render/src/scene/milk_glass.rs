@@ -75,6 +75,7 @@ pub fn glasses(wanted: &GlassScene) -> Result<Scene, SceneError> {
             mesh: mesh.translated(place),
             medium: medium.clone(),
             priority,
+            roughness: 0.0,
         };
         bodies.push(body(format!("glass of {name}"), &glass, &wanted.glass, GLASS));
         bodies.push(body(name.clone(), &liquid, medium, LIQUID));
@@ -82,9 +83,10 @@ pub fn glasses(wanted: &GlassScene) -> Result<Scene, SceneError> {
     let row = pitch * (count - 1) as f64 + 2.0 * wanted.shape.outer_radius;
     let camera = camera(wanted, row)?;
     let reach = 6.0 * wanted.shape.height + row;
-    let table = Surface { name: "table".into(), mesh: sweep(reach)?, reflectance: table_grey(wanted)? };
+    let table = Surface::diffuse("table", sweep(reach)?, table_grey(wanted)?);
     let environment = studio()?;
-    Ok(Scene { camera, environment, bodies, surfaces: vec![table], wavelength_range: wanted.wavelength_range })
+    let wavelength_range = wanted.wavelength_range;
+    Ok(Scene { camera, environment, lamps: vec![], bodies, surfaces: vec![table], wavelength_range })
 }
 
 /// Looks down a little, from far enough that the row fills the picture.

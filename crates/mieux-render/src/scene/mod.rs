@@ -1,11 +1,14 @@
 //! What is to be rendered.
 
 mod diffusing;
+mod finish;
 mod milk_glass;
 mod prepared;
 
 pub(crate) use diffusing::Dipoles;
 pub use milk_glass::{GlassScene, glasses};
+pub(crate) use finish::FinishLanes;
+pub(crate) use prepared::Way;
 pub use prepared::{Owner, Prepared};
 
 use mieux_optics::spectrum::Sampled;
@@ -13,10 +16,11 @@ use mieux_optics::spectrum::Sampled;
 use crate::camera::{CameraError, Pinhole};
 use crate::film::ObserverError;
 use crate::geometry::{GeometryError, Mesh};
-use crate::light::{Environment, LightError};
+use crate::light::{Environment, Lamp, LightError};
 use crate::medium::{Medium, MediumError};
 
-/// A body: a closed mesh filled with a medium. Where bodies overlap, the one of highest priority is there.
+/// A body: a closed mesh filled with a medium. Where bodies overlap, the one of highest priority is there. A body with the
+/// index of what is around it has no visible surface: fog, or a cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// What it is called in messages.
@@ -27,17 +31,54 @@ pub struct Body {
     pub medium: Medium,
     /// Higher wins; among equals the earlier body.
     pub priority: i32,
+    /// Roughness `alpha` of its surface ([`crate::surface::Microfacets`]), 0 to 1; 0 is smooth.
+    pub roughness: f64,
 }
 
-/// An opaque diffuse (Lambertian) surface, seen from both sides. Vertex normals of its mesh are not used.
+/// What a surface without an inside does to light.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Finish {
+    /// Opaque, diffuse (Lambertian); vertex normals are not used.
+    Diffuse {
+        /// Share of light reflected over wavelength, 0 to 1.
+        reflectance: Sampled,
+        /// Whether its back is like its front; black if not.
+        both_sides: bool,
+    },
+    /// A metal, the same on both sides.
+    Conductor {
+        /// Real refractive index over wavelength, above 0.
+        n: Sampled,
+        /// Imaginary refractive index over wavelength, at least 0.
+        k: Sampled,
+        /// Roughness `alpha`, 0 to 1.
+        roughness: f64,
+    },
+    /// A thin pane: reflects and lets through, and does not bend.
+    ThinPane {
+        /// Refractive index over wavelength.
+        n: Sampled,
+    },
+}
+
+/// A surface without an inside.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
     /// What it is called in messages.
     pub name: String,
     /// Its surface; need not be closed.
     pub mesh: Mesh,
-    /// Share of light reflected over wavelength, 0 to 1.
-    pub reflectance: Sampled,
+    /// What it does to light.
+    pub finish: Finish,
+    /// Radiance it sends out over wavelength, from its front (the side from which corners run counter-clockwise).
+    pub emission: Option<Sampled>,
+}
+
+impl Surface {
+    /// An opaque diffuse surface, the same on both sides, that does not shine.
+    pub fn diffuse(name: impl Into<String>, mesh: Mesh, reflectance: Sampled) -> Self {
+        Self { name: name.into(), mesh, finish: Finish::Diffuse { reflectance, both_sides: true }, emission: None }
+    }
 }
 
 /// Everything a camera can see, and the camera.
@@ -47,9 +88,11 @@ pub struct Scene {
     pub camera: Pinhole,
     /// The light around it.
     pub environment: Environment,
+    /// Lights without extent.
+    pub lamps: Vec<Lamp>,
     /// Bodies that refract, absorb and scatter.
     pub bodies: Vec<Body>,
-    /// Opaque surfaces.
+    /// Surfaces without an inside.
     pub surfaces: Vec<Surface>,
     /// Shortest and longest wavelength rendered, m: within 380 to 780 nm, and every spectrum must reach over it.
     pub wavelength_range: (f64, f64),
@@ -87,6 +130,14 @@ pub enum SceneError {
         name: String,
         /// What is wrong.
         source: MediumError,
+    },
+    /// Roughness of a body or surface.
+    #[error("the roughness of '{name}' is {value}; it lies between 0 and 1")]
+    Roughness {
+        /// Whose.
+        name: String,
+        /// The offending value.
+        value: f64,
     },
     /// No liquids were given to fill glasses with.
     #[error("no liquid to fill a glass with")]

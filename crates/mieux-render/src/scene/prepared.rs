@@ -3,44 +3,55 @@
 use glam::DVec3;
 
 use super::diffusing::{Diffusing, Dipoles};
-use super::{Body, Scene, SceneError};
+use super::finish::{DenseFinish, FinishLanes};
+use super::{Body, Scene, SceneError, Surface};
 use crate::camera::Pinhole;
 use crate::film::Observer;
 use crate::geometry::{Accelerator, Ray};
 use crate::integrator::{Lanes, MediumLanes};
-use crate::light::Pattern;
-use crate::medium::{DESIGN_WAVELENGTH, Dense, MediumError};
-use crate::surface::Interior;
+use crate::light::{Emitter, Lights, Problem};
+use crate::medium::{Dense, DenseMedium, Matter};
+use crate::surface::{Interior, Microfacets};
 
 /// What a triangle belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Owner {
     /// The surface of a body, by index.
     Body(u16),
-    /// An opaque surface, by index.
+    /// A surface without an inside, by index.
     Surface(u16),
+}
+
+/// How light gets through a medium.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Way {
+    /// Straight on.
+    Straight,
+    /// By the fast random walk, which looks for no lights.
+    Walk,
+    /// From collision to collision, looking for lights.
+    Fog,
+    /// The same through grids.
+    Cloud,
 }
 
 /// A scene that can be rendered: meshes known to be closed, spectra known to reach, triangles sorted.
 pub struct Prepared {
     camera: Pinhole,
-    pattern: Pattern,
-    light: Dense,
+    lights: Lights,
     media: Vec<DenseMedium>,
+    /// How light gets through each body, whether light comes in straight, and its roughness.
+    ways: Vec<Way>,
+    lit: Vec<bool>,
+    facets: Vec<Option<Microfacets>>,
     priorities: Vec<i32>,
-    reflectances: Vec<Dense>,
+    finishes: Vec<DenseFinish>,
+    /// For each surface its place among those that shine.
+    emitters: Vec<Option<usize>>,
     accelerator: Accelerator,
     observer: Observer,
     camera_interior: Interior,
     diffusing: Diffusing,
-}
-
-pub(super) struct DenseMedium {
-    pub(super) sigma_s: Dense,
-    pub(super) sigma_a: Dense,
-    pub(super) g: Dense,
-    pub(super) n: Dense,
-    n_design: f64,
 }
 
 impl Prepared {
@@ -57,30 +68,55 @@ impl Prepared {
             }
         }
         scene.bodies.iter().try_for_each(check_closed)?;
-        let media: Vec<DenseMedium> =
-            scene.bodies.iter().map(|b| DenseMedium::new(b, range)).collect::<Result<_, _>>()?;
-        let reflectance = |surface: &super::Surface| {
-            let valid = |v| (0.0..=1.0).contains(&v);
-            Dense::new("reflectance", &surface.reflectance, range, "must lie between 0 and 1", valid)
-                .map_err(|source| SceneError::Medium { name: surface.name.clone(), source })
+        let named = |name: &str| {
+            let name = name.to_owned();
+            move |source| SceneError::Medium { name, source }
         };
-        let light = Dense::new("radiance", &scene.environment.spectrum, range, "must not be negative", |v| v >= 0.0)
-            .map_err(|source| SceneError::Medium { name: "environment".into(), source })?;
+        let medium = |body: &Body| DenseMedium::new(&body.medium, range).map_err(named(&body.name));
+        let media: Vec<DenseMedium> = scene.bodies.iter().map(medium).collect::<Result<_, _>>()?;
+        let finish = |s: &Surface| DenseFinish::new(&s.name, &s.finish, range);
+        let facets = |b: &Body| roughness(&b.name, b.roughness);
         let meshes = scene.bodies.iter().map(|b| &b.mesh).chain(scene.surfaces.iter().map(|s| &s.mesh));
+        let mut shining = 0usize..;
         let mut prepared = Self {
             camera: scene.camera.clone(),
-            pattern: scene.environment.pattern.clone(),
-            light,
+            lights: lights(scene)?,
             diffusing: Diffusing::new(&scene.bodies, &media, range),
-            media,
+            ways: Vec::new(),
+            lit: Vec::new(),
+            facets: scene.bodies.iter().map(facets).collect::<Result<_, _>>()?,
             priorities: scene.bodies.iter().map(|b| b.priority).collect(),
-            reflectances: scene.surfaces.iter().map(reflectance).collect::<Result<_, _>>()?,
+            finishes: scene.surfaces.iter().map(finish).collect::<Result<_, _>>()?,
+            emitters: scene.surfaces.iter().map(|s| s.emission.as_ref().and_then(|_| shining.next())).collect(),
             accelerator: Accelerator::new(meshes),
             observer,
             camera_interior: Interior::default(),
+            media,
         };
         prepared.camera_interior = prepared.interior_at(scene.camera.position());
+        prepared.find_ways();
         Ok(prepared)
+    }
+
+    /// Light comes straight into bodies that do not bend it, and into those that hold a light.
+    fn find_ways(&mut self) {
+        self.lit = self.media.iter().map(|medium| medium.unbending).collect();
+        let places: Vec<DVec3> = self.lights.places().collect();
+        for place in places {
+            for &body in self.interior_at(place).bodies() {
+                self.lit[usize::from(body)] = true;
+            }
+        }
+        // A walk forgets where lights were looked for: where that can have been on the other side of an unseen surface, it
+        // will not do.
+        let looked_for = !self.finishes.is_empty() || self.facets.iter().any(Option::is_some);
+        let way = |(medium, lit): (&DenseMedium, &bool)| match () {
+            () if medium.clear => Way::Straight,
+            () if medium.has_grids => Way::Cloud,
+            () if medium.walkable && !(*lit && (looked_for || self.lights.worth_looking())) => Way::Walk,
+            () => Way::Fog,
+        };
+        self.ways = self.media.iter().zip(&self.lit).map(way).collect();
     }
 
     /// The bodies a point (m) lies in: those that a ray from it leaves more often than it enters.
@@ -134,16 +170,54 @@ impl Prepared {
         self.priorities[usize::from(body)]
     }
 
-    pub(crate) fn pattern(&self) -> &Pattern {
-        &self.pattern
+    pub(crate) fn lights(&self) -> &Lights {
+        &self.lights
     }
 
-    pub(crate) fn light(&self, wavelengths: &Lanes) -> Lanes {
-        self.light.lanes(wavelengths)
+    /// What a surface does to light at the wavelengths of a path.
+    pub(crate) fn finish(&self, surface: u16, wavelengths: &Lanes) -> FinishLanes {
+        self.finishes[usize::from(surface)].lanes(wavelengths)
     }
 
-    pub(crate) fn reflectance(&self, surface: u16, wavelengths: &Lanes) -> Lanes {
-        self.reflectances[usize::from(surface)].lanes(wavelengths)
+    /// The place of a surface among those that shine.
+    pub(crate) fn emitter(&self, surface: u16) -> Option<usize> {
+        self.emitters[usize::from(surface)]
+    }
+
+    /// The facets of a body's surface if it is rough.
+    pub(crate) fn roughness(&self, body: u16) -> Option<Microfacets> {
+        self.facets[usize::from(body)]
+    }
+
+    /// How light gets through what fills a place.
+    pub(crate) fn way(&self, body: Option<u16>) -> Way {
+        body.map_or(Way::Straight, |body| self.ways[usize::from(body)])
+    }
+
+    /// Whether some light may come straight into a body, or into the air.
+    pub(crate) fn is_lit(&self, body: Option<u16>) -> bool {
+        body.is_none_or(|body| self.lit[usize::from(body)])
+    }
+
+    /// Whether lights are looked for from within a body.
+    pub(crate) fn looks_from(&self, body: Option<u16>) -> bool {
+        self.is_lit(body) && self.lights.worth_looking()
+    }
+
+    /// Whether every body bends light that comes from the air.
+    pub(crate) fn bends_everywhere(&self) -> bool {
+        self.media.iter().all(|medium| !medium.unbending)
+    }
+
+    /// What scatters in a body at the wavelengths of a path.
+    pub(crate) fn matter(&self, body: u16, wavelengths: &Lanes) -> Matter<'_> {
+        self.media[usize::from(body)].matter(wavelengths)
+    }
+
+    /// Extinction of what is everywhere in a body, 1/m.
+    pub(crate) fn extinction(&self, body: u16, wavelengths: &Lanes) -> Lanes {
+        let medium = &self.media[usize::from(body)];
+        wavelengths.map(|w| medium.sigma_s.at(w) + medium.sigma_a.at(w))
     }
 
     /// How light diffuses under the surface between a body and another, or nothing; `None` where it has to be followed.
@@ -170,22 +244,27 @@ fn check_closed(body: &Body) -> Result<(), SceneError> {
     if volume > 0.0 { Ok(()) } else { Err(SceneError::InsideOut { name: name(), volume }) }
 }
 
-impl DenseMedium {
-    fn new(body: &Body, range: (f64, f64)) -> Result<Self, SceneError> {
-        let medium = &body.medium;
-        let coefficient = |v: f64| (0.0..=1e12).contains(&v);
-        let rule = "must lie between 0 and 1e12 per metre";
-        let build = || -> Result<Self, MediumError> {
-            let n = Dense::new("n", &medium.n, range, "must lie between 0.1 and 10", |v| (0.1..=10.0).contains(&v))?;
-            let n = n.rounded();
-            Ok(Self {
-                sigma_s: Dense::new("sigma_s", &medium.sigma_s, range, rule, coefficient)?,
-                sigma_a: Dense::new("sigma_a", &medium.sigma_a, range, rule, coefficient)?,
-                g: Dense::new("g", &medium.g, range, "must lie between -1 and 1", |v| v > -1.0 && v < 1.0)?,
-                n_design: n.at(DESIGN_WAVELENGTH),
-                n,
-            })
-        };
-        build().map_err(|source| SceneError::Medium { name: body.name.clone(), source })
+pub(super) fn roughness(name: &str, alpha: f64) -> Result<Option<Microfacets>, SceneError> {
+    if (0.0..=1.0).contains(&alpha) {
+        Ok(Microfacets::new(alpha))
+    } else {
+        Err(SceneError::Roughness { name: name.into(), value: alpha })
     }
+}
+
+/// The lights of a scene.
+fn lights(scene: &Scene) -> Result<Lights, SceneError> {
+    let range = scene.wavelength_range;
+    let mut emitters = Vec::new();
+    for surface in &scene.surfaces {
+        let Some(emission) = &surface.emission else { continue };
+        let valid = |v: f64| v >= 0.0 && v.is_finite();
+        let radiance = Dense::new("emission", emission, range, "must not be negative", valid)
+            .map_err(|source| SceneError::Medium { name: surface.name.clone(), source })?;
+        emitters.push(Emitter { mesh: &surface.mesh, radiance });
+    }
+    Lights::new(&scene.environment, &scene.lamps, emitters, range).map_err(|problem| match problem {
+        Problem::Light(error) => error.into(),
+        Problem::Spectrum(source) => SceneError::Medium { name: "a light".into(), source },
+    })
 }

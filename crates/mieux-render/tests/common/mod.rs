@@ -24,13 +24,13 @@ pub fn flat_sky() -> Environment {
 }
 
 pub fn body(name: &str, mesh: mieux_render::geometry::Mesh, medium: Medium, priority: i32) -> Body {
-    Body { name: name.into(), mesh, medium, priority }
+    Body { name: name.into(), mesh, medium, priority, roughness: 0.0 }
 }
 
 pub fn scene(bodies: Vec<Body>, surfaces: Vec<Surface>, position: [f64; 3], target: [f64; 3]) -> Scene {
     let up = if position[0] == target[0] && position[1] == target[1] { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] };
     let camera = Pinhole::new(position, target, up, 30.0, [64, 64]).unwrap();
-    Scene { camera, environment: flat_sky(), bodies, surfaces, wavelength_range: RANGE }
+    Scene { camera, environment: flat_sky(), lamps: vec![], bodies, surfaces, wavelength_range: RANGE }
 }
 
 /// Mean and standard error.
@@ -108,11 +108,7 @@ pub fn slab(medium: Medium, thickness: f64, up: bool) -> Prepared {
     let wide = 10.0;
     let mesh = cuboid([-wide, -wide, 0.0], [wide, wide, thickness]).unwrap();
     let z = if up { -0.2 * thickness } else { 1.5 * thickness };
-    let black = Surface {
-        name: "black".into(),
-        mesh: disk([0.0, 0.0, z], 2.0 * wide, 64).unwrap(),
-        reflectance: constant(0.0).unwrap(),
-    };
+    let black = Surface::diffuse("black", disk([0.0, 0.0, z], 2.0 * wide, 64).unwrap(), constant(0.0).unwrap());
     let eye = [1e-4, 2e-4, 1.2 * thickness];
     Prepared::new(&scene(vec![body("slab", mesh, medium, 0)], vec![black], eye, [eye[0], eye[1], 0.0])).unwrap()
 }

@@ -352,10 +352,10 @@ fn build(sheets: &[OpticsSheet], size: Size) -> Result<Scene, JobError> {
 
 fn medium(bulk: &mieux_optics::medium::BulkOptics) -> Result<Medium, JobError> {
     let spectrum = |values: &[f64]| beyond(&Sampled::new(bulk.grid().clone(), values.to_vec())?);
-    Ok(Medium {
-        sigma_s: spectrum(bulk.sigma_s())?,
-        sigma_a: spectrum(bulk.sigma_a())?,
-        g: spectrum(bulk.asymmetry())?,
-        n: spectrum(bulk.n_real())?,
-    })
+    Ok(Medium::new(
+        spectrum(bulk.sigma_s())?,
+        spectrum(bulk.sigma_a())?,
+        spectrum(bulk.asymmetry())?,
+        spectrum(bulk.n_real())?,
+    ))
 }
