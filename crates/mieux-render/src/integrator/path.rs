@@ -195,7 +195,8 @@ impl Path<'_> {
             Crossing::Hidden(next) => self.interior = next,
             Crossing::Interface(next) => {
                 let beyond = self.medium_of(&next);
-                if beyond.n == self.medium.n && beyond.n_geometry == self.medium.n_geometry {
+                let unbent = beyond.n == self.medium.n && beyond.n_geometry == self.medium.n_geometry;
+                if unbent && !(self.transport.diffusion && self.diffusing(&next, &beyond).is_some()) {
                     self.enter(next, beyond);
                     return true;
                 }
