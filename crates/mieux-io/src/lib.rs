@@ -9,6 +9,7 @@ pub mod export;
 pub mod image;
 pub mod index_file;
 pub mod measured;
+pub mod mesh;
 pub mod netcdf;
 pub mod output;
 pub mod paint;

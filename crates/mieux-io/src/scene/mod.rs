@@ -1,5 +1,8 @@
 //! Scenes as TOML: which materials stand in which glasses. The built-in scenes are such files.
 
+pub mod description;
+mod transform;
+
 use std::path::Path;
 
 use serde::Deserialize;
@@ -9,6 +12,9 @@ use crate::quantity::Size;
 use crate::recipe::{MATERIALS, Recipe, RecipeError, as_file, read_text, stem, unknown};
 use crate::text_error::TextError;
 
+pub use description::Description;
+pub use transform::Transform;
+
 /// Stands for the material that was asked for.
 const ASKED_FOR: &str = "*";
 /// Most glasses in a row.
@@ -16,8 +22,8 @@ const MAX_GLASSES: usize = 20;
 
 /// Name and text of every built-in scene, in alphabetical order.
 pub const SCENES: &[(&str, &str)] = &[
-    ("glass", include_str!("../../../data/scenes/glass.toml")),
-    ("milk-components", include_str!("../../../data/scenes/milk-components.toml")),
+    ("glass", include_str!("../../../../data/scenes/glass.toml")),
+    ("milk-components", include_str!("../../../../data/scenes/milk-components.toml")),
 ];
 
 /// Glasses in a row.
