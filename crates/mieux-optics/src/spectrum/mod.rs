@@ -5,6 +5,7 @@ mod grid;
 mod lab;
 mod sampled;
 mod table;
+pub mod upsample;
 
 mod observer;
 

@@ -84,6 +84,13 @@ impl Pinhole {
         })
     }
 
+    /// The same camera with the middle of its view moved across the picture by shares of its width (to the right) and height
+    /// (down).
+    pub fn shifted(mut self, [x, y]: [f64; 2]) -> Self {
+        self.forward -= self.right * (2.0 * x) + self.down * (2.0 * y);
+        self
+    }
+
     /// Where it stands, m.
     pub fn position(&self) -> DVec3 {
         self.position

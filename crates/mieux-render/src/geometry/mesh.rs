@@ -112,6 +112,29 @@ impl Mesh {
             .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
     }
 
+    /// The same mesh with its points (m) and the directions of its normals taken elsewhere. Points are rounded to `f32`, the
+    /// same way for the same vertex; a mirrored mesh must be [`Self::turned`].
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn mapped(
+        &self,
+        point: impl Fn([f64; 3]) -> [f64; 3],
+        normal: impl Fn([f64; 3]) -> [f64; 3],
+    ) -> Result<Self, GeometryError> {
+        let vertices = self.vertices.iter().map(|v| point(v.map(f64::from)).map(|x| x as f32)).collect();
+        // Normals may be scaled beyond what `f32` holds before they are made unit vectors.
+        let unit = |n: &[f32; 3]| DVec3::from_array(normal(n.map(f64::from))).normalize_or_zero().as_vec3().to_array();
+        Self::new(vertices, self.triangles.clone(), self.normals.as_ref().map(|n| n.iter().map(unit).collect()))
+    }
+
+    /// The same mesh with its inside out.
+    pub fn turned(mut self) -> Self {
+        self.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        self.normals.iter_mut().flatten().for_each(|n| *n = n.map(|x| -x));
+        self
+    }
+
     /// The same mesh moved by an offset (m); coordinates are rounded to `f32`, the same way for the same vertex.
     pub fn translated(&self, offset: [f64; 3]) -> Self {
         let mut moved = self.clone();

@@ -136,7 +136,11 @@ fn table_grey(wanted: &GlassScene) -> Result<Sampled, SceneError> {
     })
 }
 
-fn studio() -> Result<Environment, SceneError> {
+/// The light in which materials are shown: a soft dome, a large soft box from the upper left, a weaker one from the right.
+///
+/// # Errors
+/// Never with these numbers.
+pub fn studio() -> Result<Environment, SceneError> {
     // Much light from one side, little from the others: turbid things show their colour only where light can leave
     // another way than it came. Under an even sky everything that absorbs nothing is white.
     let dome = Dome { nadir: 0.24, horizon: 0.4, zenith: 0.66 };

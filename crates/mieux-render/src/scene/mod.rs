@@ -6,7 +6,7 @@ mod milk_glass;
 mod prepared;
 
 pub(crate) use diffusing::Dipoles;
-pub use milk_glass::{GlassScene, glasses};
+pub use milk_glass::{GlassScene, glasses, studio};
 pub(crate) use finish::FinishLanes;
 pub(crate) use prepared::Way;
 pub use prepared::{Owner, Prepared};

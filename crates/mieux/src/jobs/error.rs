@@ -45,6 +45,24 @@ pub enum JobError {
         /// What is wrong.
         source: MediumError,
     },
+    /// Something in a scene file.
+    #[error("{file}:{line}:{column}: {reason}")]
+    Scene {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What is wrong.
+        reason: String,
+    },
+    /// Something that is known by name alone.
+    #[error("{what} cannot be rendered yet")]
+    NotYet {
+        /// What it is.
+        what: String,
+    },
     /// A substance that is not known.
     #[error("there is no substance called `{name}`")]
     NoSuchSubstance {

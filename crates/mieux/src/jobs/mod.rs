@@ -15,6 +15,7 @@ mod render;
 mod sheet;
 mod sizes;
 mod slab;
+mod staging;
 mod substance;
 mod wavelengths;
 
