@@ -1,5 +1,6 @@
 //! Follows light backwards from the camera: a spectral volumetric path tracer.
 
+mod features;
 mod interface;
 mod path;
 mod statistics;
@@ -8,6 +9,7 @@ mod throughput;
 mod turbid;
 mod walk;
 
+pub use features::{Features, features};
 pub use path::{Estimate, trace};
 pub use statistics::Statistics;
 pub(crate) use turbid::MediumLanes;
