@@ -21,6 +21,7 @@ pub mod rxt;
 pub mod scene;
 pub mod slab_file;
 pub mod table;
+pub mod tev;
 mod text_error;
 
 pub use text_error::{TextError, nearest_names};

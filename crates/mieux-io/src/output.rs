@@ -109,6 +109,9 @@ impl Temporary {
     fn rename(mut self, target: &Path) -> io::Result<()> {
         fs::rename(&self.path, target)?;
         self.kept = true;
+        // The new name lasts once its folder is on disk; where folders cannot be opened or synced, nothing more can be done.
+        let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let _ = File::open(folder).and_then(|folder| folder.sync_all());
         Ok(())
     }
 }

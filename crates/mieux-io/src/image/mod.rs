@@ -2,11 +2,15 @@
 
 mod openexr;
 mod srgb;
+mod tone;
 
 use std::path::{Path, PathBuf};
 
-pub use openexr::{ExrImage, Film, MAX_CHANNELS, read_exr, write_exr, write_exr_channels};
-pub use srgb::write_png_srgb8;
+pub use openexr::{
+    ExrImage, Film, MAX_CHANNELS, read_exr, spectral_channel, write_exr, write_exr_channels, write_exr_spectral,
+};
+pub use srgb::{write_png_srgb8, write_png_toned};
+pub use tone::Tone;
 
 use crate::output::OutputError;
 use crate::quantity::{QuantityError, Size};

@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
 
+use exr::meta::attribute::AttributeValue;
 use exr::meta::header::Header;
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
@@ -83,6 +84,29 @@ pub fn write_exr_channels(
     channels: BTreeMap<String, Vec<f32>>,
     comment: &str,
 ) -> Result<(), ImageError> {
+    write_exr_spectral(path, width, height, channels, comment, None)
+}
+
+/// The name of the channel that holds radiance around a wavelength (m), as in `S0.512,500000nm`: the unpolarised part of
+/// the layout of `fichet2021`, which its viewers know.
+pub fn spectral_channel(wavelength: f64) -> String {
+    let number = format!("{:.6}", wavelength * 1e9).replace('.', ",");
+    format!("S0.{number}nm")
+}
+
+/// [`write_exr_channels`] for channels among which are spectral ones ([`spectral_channel`]) in some unit of radiance per
+/// wavelength, which the file names as the layout asks: attributes `spectralLayoutVersion` and `emissiveUnits`.
+///
+/// # Errors
+/// As [`write_exr_channels`].
+pub fn write_exr_spectral(
+    path: &Path,
+    width: u32,
+    height: u32,
+    channels: BTreeMap<String, Vec<f32>>,
+    comment: &str,
+    units: Option<&str>,
+) -> Result<(), ImageError> {
     let size = Size::new(width, height)?;
     if channels.is_empty() || channels.len() > MAX_CHANNELS {
         let problem = format!("there are {}, and 1 to {MAX_CHANNELS} are allowed", channels.len());
@@ -101,16 +125,23 @@ pub fn write_exr_channels(
             }
         }
     }
-    let attributes = LayerAttributes {
+    let mut attributes = LayerAttributes {
         software_name: Text::new_or_none(SOFTWARE),
         comments: Text::new_or_none(ascii(comment)).filter(|_| !comment.is_empty()),
         ..LayerAttributes::default()
     };
+    // One attribute here and one for the image: in a map of several, their order in the file would be left to chance.
+    if let Some(units) = units.and_then(|units| Text::new_or_none(ascii(units))) {
+        attributes.other.insert(Text::from("emissiveUnits"), AttributeValue::Text(units));
+    }
     let encoding =
         Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let (width, height) = (size.width() as usize, size.height() as usize);
     let layer = Layer::new((width, height), attributes, encoding, AnyChannels::sort(list.into()));
-    let image = Image::from_layer(layer);
+    let mut image = Image::from_layer(layer);
+    if units.is_some() {
+        image.attributes.other.insert(Text::from("spectralLayoutVersion"), AttributeValue::Text(Text::from("1.0")));
+    }
     write_atomic(path, |out: &mut dyn WriteSeek| {
         image.write().to_buffered(out).map_err(|e| match e {
             exr::error::Error::Io(e) => e,
@@ -302,6 +333,22 @@ mod tests {
         let bits = |values: &[f32]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(&image.rgb("").unwrap()), bits(&rgb));
         assert_eq!((image.comment.as_deref(), image.rgb("variance.")), (None, None));
+    }
+
+    #[test]
+    fn spectra_are_named_as_the_layout_asks() {
+        assert_eq!(spectral_channel(512.5e-9), "S0.512,500000nm");
+        let folder = tempfile::tempdir().unwrap();
+        let files = ["a.exr", "b.exr"].map(|name| {
+            let path = folder.path().join(name);
+            let channels = BTreeMap::from([(spectral_channel(400e-9), vec![1.0, 2.0]), ("R".into(), vec![0.5; 2])]);
+            write_exr_spectral(&path, 2, 1, channels, "", Some("W.m^-2.sr^-1.nm^-1")).unwrap();
+            assert_eq!(read_exr(&path).unwrap().channels["S0.400,000000nm"], [1.0, 2.0]);
+            std::fs::read(path).unwrap()
+        });
+        let holds = |text: &[u8]| files[0].windows(text.len()).any(|w| w == text);
+        assert!(holds(b"spectralLayoutVersion\0") && holds(b"emissiveUnits\0") && holds(b"W.m^-2.sr^-1.nm^-1"));
+        assert_eq!(files[0], files[1]);
     }
 
     #[test]

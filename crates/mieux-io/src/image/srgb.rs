@@ -5,7 +5,7 @@ use std::path::Path;
 
 use mieux_optics::spectrum::colour::srgb_encode;
 
-use super::{ImageError, check_length};
+use super::{ImageError, Tone, check_length};
 use crate::output::write_atomic;
 use crate::quantity::Size;
 
@@ -27,12 +27,27 @@ pub fn write_png_srgb8<T: Copy + Into<f64>>(
     rgb: &[T],
     exposure: f64,
 ) -> Result<(), ImageError> {
+    write_png_toned(path, width, height, rgb, exposure, Tone::Srgb)
+}
+
+/// [`write_png_srgb8`] by way of a tone curve.
+///
+/// # Errors
+/// As [`write_png_srgb8`].
+pub fn write_png_toned<T: Copy + Into<f64>>(
+    path: &Path,
+    width: u32,
+    height: u32,
+    rgb: &[T],
+    exposure: f64,
+    tone: Tone,
+) -> Result<(), ImageError> {
     let size = Size::new(width, height)?;
     check_length("the picture", rgb.len(), size, 3)?;
     if !(exposure > 0.0 && exposure.is_finite()) {
         return Err(ImageError::Exposure { exposure });
     }
-    write_atomic(path, |out| encode(out, size, rgb, exposure).map_err(io::Error::from))?;
+    write_atomic(path, |out| encode(out, size, rgb, exposure, tone).map_err(io::Error::from))?;
     Ok(())
 }
 
@@ -41,6 +56,7 @@ fn encode<T: Copy + Into<f64>>(
     size: Size,
     rgb: &[T],
     exposure: f64,
+    tone: Tone,
 ) -> Result<(), png::EncodingError> {
     let mut encoder = png::Encoder::new(out, size.width(), size.height());
     encoder.set_color(png::ColorType::Rgb);
@@ -52,7 +68,7 @@ fn encode<T: Copy + Into<f64>>(
     let mut row = Vec::with_capacity(3 * size.width() as usize);
     for values in rgb.chunks(3 * size.width() as usize) {
         row.clear();
-        row.extend(values.iter().map(|&value| byte(value.into() * exposure)));
+        row.extend(values.iter().map(|&value| byte(tone.apply(value.into() * exposure))));
         stream.write_all(&row)?;
     }
     stream.finish()?;

@@ -1,7 +1,12 @@
 //! What the camera records: colour from spectra, sums from samples, noise from sums of squares.
 
+mod difference;
+mod filter;
 mod observer;
 mod picture;
 
+pub use difference::{Block, Difference, DifferenceError, Estimated, Verdict, difference};
+pub use filter::Filter;
 pub use observer::{Observer, ObserverError};
 pub use picture::{Film, FilmError, Pixel};
+pub(crate) use picture::relative_error;

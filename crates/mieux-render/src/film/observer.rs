@@ -118,6 +118,17 @@ impl Observer {
         self.density[bin as usize]
     }
 
+    /// Adds the radiance at the wavelengths of one path to bins of equal width over the range: what is added estimates the
+    /// mean radiance in each bin.
+    pub fn bin(&self, wavelengths: &Lanes, radiance: &Lanes, bins: &mut [f64]) {
+        let (low, high) = self.range();
+        let count = bins.len() as f64;
+        for k in 0..LANES {
+            let at = ((wavelengths[k] - low) / (high - low) * count).clamp(0.0, count - 1.0) as usize;
+            bins[at] += radiance[k] / (self.density(wavelengths[k]) * LANES as f64) * count / (high - low);
+        }
+    }
+
     /// Linear sRGB estimated from the radiance at the wavelengths of one path.
     pub fn colour(&self, wavelengths: &Lanes, radiance: &Lanes) -> [f64; 3] {
         let mut rgb = [0.0; 3];
@@ -174,6 +185,20 @@ mod tests {
             assert!((below as f64 / drawn.len() as f64 - expected).abs() < 1e-3);
         }
         assert!((expected - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn bins_hold_the_mean_radiance() {
+        let observer = Observer::new((380e-9, 780e-9)).unwrap();
+        let (mut bins, n) = ([0.0; 16], 100_000);
+        for i in 0..n {
+            let wavelengths = observer.wavelengths((f64::from(i) + 0.5) / f64::from(n));
+            observer.bin(&wavelengths, &wavelengths.map(|w| w * 1e9), &mut bins);
+        }
+        for (k, sum) in bins.iter().enumerate() {
+            let middle = 380.0 + (k as f64 + 0.5) * 25.0;
+            assert!((sum / f64::from(n) / middle - 1.0).abs() < 1e-3, "{k}: {} {middle}", sum / f64::from(n));
+        }
     }
 
     #[test]

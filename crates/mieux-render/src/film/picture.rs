@@ -21,6 +21,9 @@ pub enum FilmError {
         /// Which pixel, row by row.
         index: usize,
     },
+    /// Not as many spectral sums as pixels and bins ask for, or one that is not finite, or a floor that is none.
+    #[error("the film's spectra or its floor are impossible")]
+    Spectra,
 }
 
 /// Samples whose mean counts as one when the error is judged. The first numbers of a path are spread evenly over every
@@ -87,19 +90,41 @@ impl Pixel {
     }
 }
 
-/// A picture under exposure: `width` x `height` pixels, row by row from the top left. Each pixel keeps its own samples
-/// (a box filter), so neighbouring errors are independent.
+/// Mean over pixels of the standard error of luminance over the luminance, or over `floor` where that is more.
+pub(crate) fn relative_error<'a>(pixels: impl Iterator<Item = &'a Pixel>, floor: f64) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for pixel in pixels {
+        let (error, scale) = (pixel.luminance_error(), luminance(pixel.mean()).max(floor));
+        // What is black in a black picture has no relative error.
+        sum += if error == 0.0 { 0.0 } else { error / scale };
+        count += 1.0;
+    }
+    sum / f64::max(count, 1.0)
+}
+
+/// A picture under exposure: `width` x `height` pixels, row by row from the top left. Each pixel keeps its own samples,
+/// so neighbouring errors are independent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
     width: u32,
     height: u32,
     pixels: Vec<Pixel>,
+    bins: usize,
+    spectra: Vec<f64>,
+    floor: Option<f64>,
 }
 
 impl Film {
     /// An unexposed film of `[width, height]` pixels.
     pub fn new([width, height]: [u32; 2]) -> Self {
-        Self { width, height, pixels: vec![Pixel::default(); width as usize * height as usize] }
+        let pixels = vec![Pixel::default(); width as usize * height as usize];
+        Self { width, height, pixels, bins: 0, spectra: Vec::new(), floor: None }
+    }
+
+    /// An unexposed film that also keeps the radiance in `bins` of wavelength.
+    pub fn with_bins(resolution: [u32; 2], bins: usize) -> Self {
+        let film = Self::new(resolution);
+        Self { bins, spectra: vec![0.0; bins * film.pixels.len()], ..film }
     }
 
     /// A film from its parts, as [`Self::pixels`] gave them.
@@ -119,7 +144,71 @@ impl Film {
                 return Err(FilmError::Sums { index });
             }
         }
-        Ok(Self { width, height, pixels })
+        Ok(Self { width, height, pixels, bins: 0, spectra: Vec::new(), floor: None })
+    }
+
+    /// The film with spectral sums, as [`Self::spectra`] gave them.
+    ///
+    /// # Errors
+    /// [`FilmError::Spectra`] unless there are `bins` finite sums for every pixel.
+    pub fn with_spectra(self, bins: usize, spectra: Vec<f64>) -> Result<Self, FilmError> {
+        if Some(spectra.len()) != self.pixels.len().checked_mul(bins) || spectra.iter().any(|s| !s.is_finite()) {
+            return Err(FilmError::Spectra);
+        }
+        Ok(Self { bins, spectra, ..self })
+    }
+
+    /// The film with the floor of its relative errors, as [`Self::floor`] gave it.
+    ///
+    /// # Errors
+    /// [`FilmError::Spectra`] for a floor below 0 or not finite.
+    pub fn with_floor(self, floor: Option<f64>) -> Result<Self, FilmError> {
+        match floor {
+            Some(f) if !(f >= 0.0 && f.is_finite()) => Err(FilmError::Spectra),
+            _ => Ok(Self { floor, ..self }),
+        }
+    }
+
+    /// Bins of wavelength, 0 without spectra: equal widths over the range of the observer.
+    pub fn bins(&self) -> usize {
+        self.bins
+    }
+
+    /// Sums over the samples of the mean radiance in each bin, pixel by pixel.
+    pub fn spectra(&self) -> &[f64] {
+        &self.spectra
+    }
+
+    /// The luminance below which errors count as relative to it, fixed once every pixel has been looked at: 1 % of the
+    /// picture's mean at that time.
+    pub fn floor(&self) -> Option<f64> {
+        self.floor
+    }
+
+    /// Takes pixel (`x`, `y`) from a film of the same size.
+    ///
+    /// # Panics
+    /// Where the films differ in size or the place lies outside.
+    pub fn take(&mut self, other: &Self, x: u32, y: u32) {
+        let at = y as usize * self.width as usize + x as usize;
+        self.pixels[at] = other.pixels[at];
+        self.spectrum_mut(x, y).copy_from_slice(other.spectrum(x, y));
+    }
+
+    pub(crate) fn set_floor(&mut self) {
+        let mean = self.pixels.iter().map(|p| luminance(p.mean())).sum::<f64>() / self.pixels.len().max(1) as f64;
+        self.floor = Some((0.01 * mean).max(0.0));
+    }
+
+    /// The sums of a pixel's spectrum.
+    pub(crate) fn spectrum(&self, x: u32, y: u32) -> &[f64] {
+        let at = (y as usize * self.width as usize + x as usize) * self.bins;
+        &self.spectra[at..at + self.bins]
+    }
+
+    pub(crate) fn spectrum_mut(&mut self, x: u32, y: u32) -> &mut [f64] {
+        let at = (y as usize * self.width as usize + x as usize) * self.bins;
+        &mut self.spectra[at..at + self.bins]
     }
 
     /// Width and height in pixels.
@@ -163,7 +252,7 @@ impl Film {
         if mean <= 0.0 {
             return 0.0;
         }
-        self.pixels.iter().map(|p| p.luminance_error() / luminance(p.mean()).max(0.01 * mean)).sum::<f64>() / count
+        relative_error(self.pixels.iter(), 0.01 * mean)
     }
 }
 

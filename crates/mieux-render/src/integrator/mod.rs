@@ -2,6 +2,7 @@
 
 mod cloud;
 mod direct;
+mod features;
 mod finish;
 mod fog;
 mod interface;
@@ -13,6 +14,7 @@ mod throughput;
 mod turbid;
 mod walk;
 
+pub use features::{Features, features};
 pub use path::{Estimate, trace};
 pub use statistics::Statistics;
 pub(crate) use turbid::MediumLanes;

@@ -8,10 +8,10 @@ use super::{Body, Scene, SceneError, Surface};
 use crate::camera::Pinhole;
 use crate::film::Observer;
 use crate::geometry::{Accelerator, Ray};
-use crate::integrator::{Lanes, MediumLanes};
+use crate::integrator::{LANES, Lanes, MediumLanes};
 use crate::light::{Emitter, Lights, Problem};
 use crate::medium::{Dense, DenseMedium, Matter};
-use crate::surface::{Interior, Microfacets};
+use crate::surface::{Interior, Microfacets, conductor_reflectance};
 
 /// What a triangle belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -177,6 +177,15 @@ impl Prepared {
     /// What a surface does to light at the wavelengths of a path.
     pub(crate) fn finish(&self, surface: u16, wavelengths: &Lanes) -> FinishLanes {
         self.finishes[usize::from(surface)].lanes(wavelengths)
+    }
+
+    /// Share of light that a surface sends on when met at right angles.
+    pub(crate) fn reflectance(&self, surface: u16, wavelengths: &Lanes) -> Lanes {
+        match self.finish(surface, wavelengths) {
+            FinishLanes::Diffuse { reflectance, .. } => reflectance,
+            FinishLanes::Conductor { n, k, .. } => std::array::from_fn(|i| conductor_reflectance(1.0, n[i], k[i])),
+            FinishLanes::ThinPane { .. } => [1.0; LANES],
+        }
     }
 
     /// The place of a surface among those that shine.
