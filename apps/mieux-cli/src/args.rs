@@ -38,6 +38,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Render a picture of a material in a glass, or of a scene
     Render(RenderArgs),
+    /// Put the parts of a picture together that were rendered with `--shard`: the same bits as one run
+    Merge(MergeArgs),
     /// Compute what one particle does to light, or a table of them
     ///
     /// Cross sections, efficiencies and asymmetry, and with `--angles` amplitudes and Mueller matrix, of a sphere, or with
@@ -192,12 +194,64 @@ pub struct RenderArgs {
     /// Let rays bend by each wavelength's own refractive index: rainbows, and more noise in colour
     #[arg(long)]
     pub dispersion: bool,
+    /// Write radiance in bins of wavelength to the EXR as well [16 unless said otherwise]
+    #[arg(long, value_name = "BINS", num_args = 0..=1, default_missing_value = "16", require_equals = true,
+        value_parser = clap::value_parser!(u16).range(1..=40))]
+    pub spectral: Option<u16>,
+    /// Reconstruction filter: how rays are spread around pixels [default: box]
+    #[arg(long, value_parser = ["box", "tent", "gaussian", "mitchell", "blackman-harris"])]
+    pub filter: Option<String>,
+    /// Render a window of the picture, in pixels from its top left corner: the same bits as in the whole
+    #[arg(long, value_name = "X,Y,W,H", value_parser = crop)]
+    pub crop: Option<[u32; 4]>,
+    /// Render part k of n, with `--spp`; `mieux merge` puts the parts together
+    #[arg(long, value_name = "K/N", value_parser = shard)]
+    pub shard: Option<(u32, u32)>,
+    /// Tone curve of the PNG [default: srgb]
+    #[arg(long, value_parser = ["srgb", "filmic", "reinhard"])]
+    pub tone: Option<String>,
+    /// Exposure of the PNG in stops: 1 doubles the light, -1 halves it
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub exposure: f64,
+    /// Show the picture in the viewer tev while it is made, and refresh the PNG every second
+    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
+        default_missing_value = mieux::io::tev::DEFAULT_ADDRESS)]
+    pub preview: Option<String>,
+    /// Time between checkpoints [default: 30s]
+    #[arg(long, value_name = "TIME", value_parser = |s: &str| parse_duration(s))]
+    pub checkpoint: Option<f64>,
     /// Go on with the render that was interrupted in the same folder
     #[arg(long)]
     pub resume: bool,
     /// Folder for the results [default: out/NAME]
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+}
+
+/// Numbers with separators in between.
+fn numbers<const N: usize>(text: &str, separator: char) -> Option<[u32; N]> {
+    let parts: Vec<u32> = text.split(separator).map(|n| n.trim().parse().ok()).collect::<Option<_>>()?;
+    parts.try_into().ok()
+}
+
+fn crop(text: &str) -> Result<[u32; 4], String> {
+    numbers(text, ',').ok_or_else(|| format!("`{text}` is not a window: left,top,width,height, as in `100,50,64,64`"))
+}
+
+fn shard(text: &str) -> Result<(u32, u32), String> {
+    let form = || format!("`{text}` is not a part: k/n with k from 1 to n, as in `2/4`");
+    let [k, n] = numbers(text, '/').ok_or_else(form)?;
+    if k >= 1 && k <= n { Ok((k, n)) } else { Err(form()) }
+}
+
+#[derive(Args)]
+pub struct MergeArgs {
+    /// The folders in which the parts were rendered, in any order
+    #[arg(required = true)]
+    pub parts: Vec<PathBuf>,
+    /// Folder for the results
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
 }
 
 /// What may stand in for the walk of light through dense bodies.
@@ -217,7 +271,7 @@ pub struct StopArgs {
     /// Stop after this time, as in `60s` or `5min`
     #[arg(long, value_name = "TIME", value_parser = |s: &str| parse_duration(s))]
     pub time: Option<f64>,
-    /// Stop when the mean relative error per pixel is down to this, as in `2%` [default: 5%]
+    /// Stop when the mean relative error per pixel is down to this in every tile of 16 x 16 pixels, as in `2%` [default: 5%]
     #[arg(long, value_name = "NOISE", value_parser = |s: &str| parse_fraction(s))]
     pub noise: Option<f64>,
 }
@@ -244,6 +298,14 @@ impl RenderArgs {
             similarity: self.similarity,
             approximate: self.approximate.map(|Approximate::Diffusion| Approximation::Diffusion),
             dispersion: self.dispersion,
+            filter: self.filter.filter(|f| f != "box"),
+            crop: self.crop,
+            spectral_bins: self.spectral.map_or(0, usize::from),
+            shard: self.shard,
+            tone: self.tone,
+            exposure: self.exposure,
+            preview: self.preview,
+            checkpoint_seconds: self.checkpoint,
             resume: self.resume,
             output: self.output,
             ..Render::new(self.subject)

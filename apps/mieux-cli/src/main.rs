@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Parser;
-use mieux::jobs::{Context, Job, JobError, Report};
+use mieux::jobs::{Context, Job, JobError, Merge, Report};
 
 use args::{Cli, Command, Format};
 use failure::Failure;
@@ -106,6 +106,12 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
             let format = args.format;
             if let Report::Export(report) = run_job(&Job::Export(args.job()?), format == Format::Table)? {
                 export::show(&report, format)?;
+            }
+        }
+        Command::Merge(args) => {
+            let job = Merge { parts: args.parts, output: args.output };
+            if let Report::Render(report) = run_job(&Job::Merge(job), true)? {
+                show::render(&report, "");
             }
         }
         Command::Render(args) => {

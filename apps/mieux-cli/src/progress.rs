@@ -47,11 +47,16 @@ impl Bars {
                 self.furthest.store(0, Ordering::Relaxed);
                 *current = self.bar(stage);
             }
-            Event::Progress { done, total, samples_per_pixel, noise, .. } => {
+            Event::Progress { stage, done, total, samples_per_pixel, noise } => {
                 if self.furthest.fetch_max(done, Ordering::Relaxed) > done {
                     return;
                 }
                 if let (Some(total), true) = (total, current.length() != total) {
+                    if current.length().is_none() && stage == Stage::Render {
+                        current.set_style(style(
+                            "render  {bar:20} {percent} %, {per_sec}, {elapsed} so far, {eta} left, {msg}",
+                        ));
+                    }
                     current.set_length(total);
                 }
                 current.set_position(done);

@@ -135,11 +135,18 @@ pub fn render(report: &RenderReport, again: &str) {
     let (least, most) = report.samples;
     let samples = if least == most { format!("{least}") } else { format!("{least} to {most}") };
     text += &format!(
-        "{}: {samples} samples per pixel in {}, mean relative error per pixel {}\n",
+        "{}: {samples} samples per pixel in {}, mean relative error per pixel {}",
         if report.interrupted { "stopped" } else { "picture" },
         format_duration(report.seconds),
         percent(report.noise)
     );
+    if report.worst_noise.is_finite() {
+        text += &format!(", {} in the worst tile", percent(report.worst_noise));
+    }
+    text += "\n";
+    if let Some((k, n)) = report.shard {
+        text += &format!("part {k} of {n}: `mieux merge` puts the parts together\n");
+    }
     if report.approximate.is_some() {
         text += "approximate: in bodies at least ten transport mean free paths thick light diffuses instead of being \
                  followed (docs/diffusion.md)\n";

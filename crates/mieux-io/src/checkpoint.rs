@@ -184,14 +184,15 @@ fn body(reader: &mut Summed<impl Read>, size: Size, bins: u32, floor: Option<f64
         .map_err(|e| invalid(e.to_string()))
 }
 
-fn pixel(bytes: &[u8]) -> Pixel {
-    let float = |i: usize| f64::from_le_bytes(word(bytes, i));
+fn pixel(bytes: &[u8; PIXEL as usize]) -> Pixel {
+    let word = |i: usize| std::array::from_fn::<u8, 8, _>(|k| bytes[8 * i + k]);
+    let float = |i: usize| f64::from_le_bytes(word(i));
     Pixel {
         sum: std::array::from_fn(float),
         sum_squares: std::array::from_fn(|c| float(3 + c)),
         sum_squares_luminance: float(6),
         open_group: std::array::from_fn(|c| float(7 + c)),
-        samples: u64::from_le_bytes(word(bytes, bytes.len() / 8 - 1)),
+        samples: u64::from_le_bytes(word(10)),
     }
 }
 

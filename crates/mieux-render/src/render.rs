@@ -137,7 +137,9 @@ pub enum RenderError {
         camera: [u32; 2],
     },
     /// A crop window that is empty or reaches beyond the picture.
-    #[error("the crop window {window:?} (left, top, width, height) is empty or reaches beyond a picture of {camera:?} pixels")]
+    #[error(
+        "the crop window {window:?} (left, top, width, height) is empty or reaches beyond a picture of {camera:?} pixels"
+    )]
     Crop {
         /// Left, top, width, height.
         window: [u32; 4],
@@ -329,7 +331,8 @@ fn plan(film: &mut Film, tiles: &[Tile], stop: StopRule) -> Plan {
     };
     let (mut work, mut end) = (Vec::new(), 0);
     for (&tile, &(low, high)) in tiles.iter().zip(&spans) {
-        let next = if low < high { Next { target: high, foreseen: high } } else { judge(film, tile, low, floor, wanted) };
+        let next =
+            if low < high { Next { target: high, foreseen: high } } else { judge(film, tile, low, floor, wanted) };
         if next.target > low {
             work.push((tile, next.target));
         }
@@ -379,9 +382,8 @@ struct Exposed {
 impl Pass<'_> {
     fn run(&self, film: &mut Film, statistics: &mut Statistics, sink: &(dyn Fn(&Progress) -> Flow + Sync)) -> Flow {
         let total = film.total_samples();
-        let missing = |&(tile, target): &(Tile, u64)| {
-            pixels(film, tile).map(|p| target.saturating_sub(p.samples)).sum::<u64>()
-        };
+        let missing =
+            |&(tile, target): &(Tile, u64)| pixels(film, tile).map(|p| target.saturating_sub(p.samples)).sum::<u64>();
         let pass_end = total + self.plan.work.iter().map(missing).sum::<u64>();
         let pass_samples = self.plan.work.iter().map(|w| w.1).max().unwrap_or(0);
         let asked = AtomicU8::new(0);

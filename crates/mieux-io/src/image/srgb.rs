@@ -68,7 +68,9 @@ fn encode<T: Copy + Into<f64>>(
     let mut row = Vec::with_capacity(3 * size.width() as usize);
     for values in rgb.chunks(3 * size.width() as usize) {
         row.clear();
-        row.extend(values.iter().map(|&value| byte(tone.apply(value.into() * exposure))));
+        for pixel in values.chunks_exact(3) {
+            row.extend(tone.apply([pixel[0].into(), pixel[1].into(), pixel[2].into()], exposure).map(byte));
+        }
         stream.write_all(&row)?;
     }
     stream.finish()?;

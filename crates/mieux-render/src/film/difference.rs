@@ -175,7 +175,8 @@ fn mean_z<'a>(pixels: impl Iterator<Item = &'a Seen>) -> ([f64; 3], usize) {
 }
 
 fn blocks(width: u32, height: u32, seen: &[Option<Seen>]) -> Vec<Block> {
-    let corners = (0..height).step_by(TILE as usize).flat_map(|y| (0..width).step_by(TILE as usize).map(move |x| (x, y)));
+    let corners =
+        (0..height).step_by(TILE as usize).flat_map(|y| (0..width).step_by(TILE as usize).map(move |x| (x, y)));
     corners
         .map(|(x, y)| {
             let place = [x, y, TILE.min(width - x), TILE.min(height - y)];
@@ -294,7 +295,14 @@ mod tests {
         for seed in 0..8 {
             let (a, b) = (noisy(2 * seed, 1.0), noisy(2 * seed + 1, 1.0));
             let same = compare(&a, &b);
-            assert_eq!(same.verdict(), Verdict::Agree, "{seed}: {:?} {:?} {:?}", same.whole, same.worst(), same.spread_z);
+            assert_eq!(
+                same.verdict(),
+                Verdict::Agree,
+                "{seed}: {:?} {:?} {:?}",
+                same.whole,
+                same.worst(),
+                same.spread_z
+            );
             assert!((same.spread - 1.0).abs() < 0.4 && same.beyond_three() < 0.02, "{}", same.spread);
             assert!((same.relative_mse / same.expected_mse - 1.0).abs() < 0.2);
             let biased = compare(&noisy(2 * seed, 1.01), &b);

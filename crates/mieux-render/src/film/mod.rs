@@ -8,5 +8,5 @@ mod picture;
 pub use difference::{Block, Difference, DifferenceError, Estimated, Verdict, difference};
 pub use filter::Filter;
 pub use observer::{Observer, ObserverError};
-pub use picture::{Film, FilmError, Pixel};
 pub(crate) use picture::relative_error;
+pub use picture::{Film, FilmError, Pixel};

@@ -29,7 +29,7 @@ use mieux_optics::transfer::inverse::InverseError;
 use mieux_render::detector::slab::SlabWalkError;
 use mieux_render::render::RenderError;
 
-use super::SlabError;
+use super::{MergeError, SlabError};
 
 /// Why a job did not get to its end.
 #[derive(Debug, thiserror::Error)]
@@ -205,6 +205,17 @@ pub enum JobError {
     /// The render to go on with.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
+    /// Parts of a picture that do not go together.
+    #[error(transparent)]
+    Merge(#[from] MergeError),
+    /// Parts of a picture must end where one run would.
+    #[error(
+        "a part of a picture ends at a number of samples per pixel: give `--spp`, for by time or noise parts would not be those of one run"
+    )]
+    ShardStop,
+    /// The parts were made of other materials than are found now.
+    #[error("the materials of the parts have changed since, or cannot be found where they were")]
+    OtherScene,
     /// A folder or file to be written.
     #[error(transparent)]
     Output(#[from] OutputError),

@@ -7,10 +7,13 @@ mod error;
 mod event;
 mod export;
 mod invert;
+mod keeper;
+mod merge;
 mod mie;
 mod optics;
 mod paint;
 mod phase;
+mod pictures;
 mod render;
 mod sheet;
 mod sizes;
@@ -26,6 +29,7 @@ pub use error::JobError;
 pub use event::{Context, Event, Stage};
 pub use export::{Export, ExportReport, ExportSheet};
 pub use invert::{Invert, InvertReport, InvertSheet, Inverted, Slabs};
+pub use merge::{Merge, MergeError};
 pub use mie::{Coat, Definition, Directional, Mie, MieBatch, MieBatchReport, MieReport, MieSheet, Particle};
 pub use optics::{Optics, OpticsReport};
 pub use paint::{
@@ -52,6 +56,8 @@ pub enum Job {
     Compare(Compare),
     /// A picture.
     Render(Render),
+    /// A picture from its parts.
+    Merge(Merge),
     /// What a size distribution amounts to.
     Sizes(Sizes),
     /// Light and one particle.
@@ -85,7 +91,7 @@ pub enum Report {
     Optics(Box<OpticsReport>),
     /// Of [`Job::Compare`].
     Compare(Box<CompareReport>),
-    /// Of [`Job::Render`].
+    /// Of [`Job::Render`] and [`Job::Merge`].
     Render(Box<RenderReport>),
     /// Of [`Job::Sizes`].
     Sizes(Box<SizesReport>),
@@ -123,6 +129,7 @@ impl Job {
             Self::Optics(job) => job.run(context).map(|report| Report::Optics(Box::new(report))),
             Self::Compare(job) => job.run(context).map(|report| Report::Compare(Box::new(report))),
             Self::Render(job) => job.run(context).map(|report| Report::Render(Box::new(report))),
+            Self::Merge(job) => job.run(context).map(|report| Report::Render(Box::new(report))),
             Self::Sizes(job) => job.run(context).map(|report| Report::Sizes(Box::new(report))),
             Self::Mie(job) => job.run(context).map(|report| Report::Mie(Box::new(report))),
             Self::MieBatch(job) => job.run(context).map(|report| Report::MieBatch(Box::new(report))),
