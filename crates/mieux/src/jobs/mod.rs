@@ -20,6 +20,7 @@ mod sizes;
 mod slab;
 mod staging;
 mod substance;
+mod wanted;
 mod wavelengths;
 
 use serde::{Deserialize, Serialize};

@@ -7,24 +7,19 @@ use std::time::{Duration, Instant};
 use mieux_io::checkpoint::{MAX_BINS, read_checkpoint, write_checkpoint};
 use mieux_io::image::Tone;
 use mieux_io::output::OutputDir;
-use mieux_io::quantity::{Size, format_length};
-use mieux_io::recipe::{Material, Recipe};
-use mieux_io::scene::{SceneFile, Subject};
-use mieux_optics::medium::{DEFAULT_TOLERANCE, Medium as OpticsMedium};
-use mieux_optics::spectrum::{Sampled, SpectrumError, WavelengthGrid};
-use mieux_optics::substance::Substance;
+use mieux_io::quantity::Size;
 use mieux_render::film::{Film, Filter};
 use mieux_render::integrator::{Statistics, Transport};
-use mieux_render::medium::Medium;
 use mieux_render::render::{
     Exposure, Flow, Outcome, Progress, RenderError, RenderSettings, Rendered, Shard, StopRule, expose, worst_tile_noise,
 };
-use mieux_render::scene::{GlassScene, Prepared, Scene, glasses};
+use mieux_render::scene::Prepared;
 use serde::{Deserialize, Serialize};
 
 use super::keeper::Keeper;
 use super::pictures::{Look, write_pictures};
-use super::{Context, Event, JobError, OpticsSheet, Stage, wavelengths};
+use super::wanted::Wanted;
+use super::{Context, Event, JobError, OpticsSheet, Stage};
 
 /// The file that an interrupted render goes on from.
 const CHECKPOINT: &str = "render.checkpoint";
@@ -206,21 +201,17 @@ impl Render {
     pub(super) fn develop(&self, given: Option<(&str, Film)>, context: &Context<'_>) -> Result<RenderReport, JobError> {
         let stop = self.stop.check()?;
         let (exposure, look) = self.choices()?;
-        let (name, scene_file, materials) = self.materials()?;
-        let size = self.size.unwrap_or(scene_file.size);
-        let mut sheets = Vec::with_capacity(materials.len());
-        for material in materials {
-            let grid = wavelengths::usual([&material.medium]);
-            sheets.push(OpticsSheet::compute(material, &grid, DEFAULT_TOLERANCE, context)?);
-        }
-        let mut notes = notes(&sheets);
-        let scene = Prepared::new(&build(&sheets, size)?).map_err(RenderError::from)?;
+        let wanted = Wanted::find(&self.subject, &self.set)?;
+        let size = self.size.unwrap_or(wanted.size);
+        let sheets = wanted.sheets(context)?;
+        let (scene, mut notes) = wanted.scene(&sheets, size)?;
+        let scene = Prepared::new(&scene).map_err(RenderError::from)?;
         let window = exposure.crop.unwrap_or([0, 0, size.width(), size.height()]);
         check_window(window, size)?;
 
-        let folder = self.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&name));
+        let folder = self.output.clone().unwrap_or_else(|| PathBuf::from("out").join(&wanted.name));
         let dir = OutputDir::create(&folder)?;
-        let identity = self.identity(size, &sheets);
+        let identity = self.identity(size, wanted.fingerprint(&sheets));
         let checkpoint = dir.file(CHECKPOINT)?;
         let film = match given {
             Some((found, _)) if found != identity => return Err(JobError::OtherScene),
@@ -229,7 +220,7 @@ impl Render {
             None => None,
         };
 
-        let mut keeper = Keeper::new(self, &dir, checkpoint.clone(), &identity, &look, &scene_file.title, window)?;
+        let mut keeper = Keeper::new(self, &dir, checkpoint.clone(), &identity, &look, &wanted.title, window)?;
         let start = Instant::now();
         let rendered = self.expose(&scene, &exposure, stop, film, (start, &mut keeper), context)?;
         let seconds = start.elapsed().as_secs_f64();
@@ -244,7 +235,7 @@ impl Render {
         }
 
         context.say(Event::Begin(Stage::Write));
-        let comment = self.comment(&scene_file.title);
+        let comment = self.comment(&wanted.title);
         let mut files = write_pictures(&dir, &rendered.film, &scene, window, &look, &comment)?;
         for sheet in &sheets {
             let stem = if sheets.len() == 1 { "optics".into() } else { format!("optics-{}", sheet.material.name) };
@@ -262,7 +253,7 @@ impl Render {
         dir.commit();
         context.say(Event::End(Stage::Write));
         Ok(RenderReport {
-            title: scene_file.title,
+            title: wanted.title,
             sheets,
             interrupted,
             approximate: self.approximate,
@@ -325,38 +316,9 @@ impl Render {
         format!("{title}: mieux render {}{set}{approximate}{filter}{crop} --seed {}", self.subject, self.seed)
     }
 
-    /// Name of what is rendered, the scene it stands in, and the materials from left to right.
-    fn materials(&self) -> Result<(String, SceneFile, Vec<Material>), JobError> {
-        match Subject::find(&self.subject)? {
-            Subject::Material(recipe) => {
-                let material = recipe.material(&self.set)?;
-                let glass = SceneFile::glass()?;
-                Ok((material.name.clone(), SceneFile { title: recipe.title().into(), ..glass }, vec![material]))
-            }
-            Subject::Scene(name, scene) => {
-                let materials = self.materials_of(&name, &scene)?;
-                Ok((name, scene, materials))
-            }
-        }
-    }
-
-    fn materials_of(&self, name: &str, scene: &SceneFile) -> Result<Vec<Material>, JobError> {
-        let mut recipes = Vec::with_capacity(scene.glasses.len());
-        for glass in &scene.glasses {
-            let glass = glass.as_ref().ok_or_else(|| JobError::NoMaterial { scene: name.into() })?;
-            recipes.push(Recipe::find(glass)?);
-        }
-        let has = |recipe: &Recipe, input: &str| recipe.inputs().iter().any(|(i, _)| i.name == input);
-        if let Some(input) = self.set.keys().find(|input| !recipes.iter().any(|r| has(r, input))) {
-            return Err(JobError::NoSuchInput { scene: name.into(), input: input.clone() });
-        }
-        let settings = |recipe: &Recipe| self.set.clone().into_iter().filter(|(k, _)| has(recipe, k)).collect();
-        recipes.iter().map(|recipe| Ok(recipe.material(&settings(recipe))?)).collect()
-    }
-
     /// What a checkpoint must agree with: all that decides the value of a sample, the properties of the materials (whose
     /// files may have changed) included; of a part of a picture also when it ends.
-    fn identity(&self, size: Size, sheets: &[OpticsSheet]) -> String {
+    fn identity(&self, size: Size, fingerprint: u64) -> String {
         let relevant = Self { size: Some(size), ..Self::new(self.subject.clone()) };
         let relevant = Self {
             set: self.set.clone(),
@@ -372,7 +334,7 @@ impl Render {
             ..relevant
         };
         let job = serde_json::to_string(&relevant).unwrap_or_default();
-        format!("mieux {} {:016x} {job}", env!("CARGO_PKG_VERSION"), fingerprint(sheets))
+        format!("mieux {} {fingerprint:016x} {job}", env!("CARGO_PKG_VERSION"))
     }
 
     /// The same job, with identity and film, as the one that all parts belong to.
@@ -444,73 +406,4 @@ fn check_window(window: [u32; 4], size: Size) -> Result<(), JobError> {
         return Err(RenderError::Crop { window, camera: [size.width(), size.height()] }.into());
     }
     Ok(())
-}
-
-/// A number that changes with any property of the materials (the hash of Fowler, Noll and Vo over their bits).
-fn fingerprint(sheets: &[OpticsSheet]) -> u64 {
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    for sheet in sheets {
-        let bulk = &sheet.bulk;
-        for values in [bulk.grid().as_slice(), bulk.sigma_s(), bulk.sigma_a(), bulk.asymmetry(), bulk.n_real()] {
-            for byte in values.iter().flat_map(|v| v.to_bits().to_le_bytes()) {
-                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-            }
-        }
-    }
-    hash
-}
-
-/// Constant beyond the first and last wavelength, as far as pictures reach.
-fn beyond(spectrum: &Sampled) -> Result<Sampled, SpectrumError> {
-    let (first, last) = WavelengthGrid::frisvad2007().range();
-    let (mut wavelengths, mut values) = (spectrum.grid().as_slice().to_vec(), spectrum.values().to_vec());
-    if wavelengths[0] > first {
-        wavelengths.insert(0, first);
-        values.insert(0, values[0]);
-    }
-    if wavelengths[wavelengths.len() - 1] < last {
-        wavelengths.push(last);
-        values.push(values[values.len() - 1]);
-    }
-    Sampled::new(WavelengthGrid::new(wavelengths)?, values)
-}
-
-/// What is said of materials that are not known as far as pictures reach.
-fn notes(sheets: &[OpticsSheet]) -> Vec<String> {
-    let usual = WavelengthGrid::frisvad2007().range();
-    let partly = sheets.iter().filter(|sheet| sheet.bulk.grid().range() != usual);
-    partly
-        .map(|sheet| {
-            let (from, to) = sheet.bulk.grid().range();
-            let (from, to) = (format_length(from), format_length(to));
-            format!(
-                "{} is known from {from} to {to}; beyond, its properties are taken as at the nearer end",
-                sheet.material.name
-            )
-        })
-        .collect()
-}
-
-/// The scene of glasses filled with the materials of the sheets.
-fn build(sheets: &[OpticsSheet], size: Size) -> Result<Scene, JobError> {
-    let glass = OpticsMedium::new(Substance::SodaLimeGlass, Vec::new())
-        .and_then(|glass| glass.bulk_optics(&WavelengthGrid::regular(370e-9, 790e-9, 10e-9)?, DEFAULT_TOLERANCE))
-        .map_err(|source| JobError::Medium { material: "glass".into(), source })?;
-    let mut liquids = Vec::with_capacity(sheets.len());
-    for sheet in sheets {
-        liquids.push((sheet.material.title.clone(), medium(&sheet.bulk)?));
-    }
-    let mut wanted = GlassScene::new(liquids, medium(&glass)?);
-    wanted.resolution = [size.width(), size.height()];
-    Ok(glasses(&wanted).map_err(mieux_render::render::RenderError::from)?)
-}
-
-fn medium(bulk: &mieux_optics::medium::BulkOptics) -> Result<Medium, JobError> {
-    let spectrum = |values: &[f64]| beyond(&Sampled::new(bulk.grid().clone(), values.to_vec())?);
-    Ok(Medium::new(
-        spectrum(bulk.sigma_s())?,
-        spectrum(bulk.sigma_a())?,
-        spectrum(bulk.asymmetry())?,
-        spectrum(bulk.n_real())?,
-    ))
 }
