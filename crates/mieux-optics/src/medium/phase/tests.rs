@@ -1,11 +1,14 @@
 use std::f64::consts::PI;
 
 use super::*;
+use crate::Complex64;
 use crate::material::milk::Milk;
 use crate::medium::DEFAULT_TOLERANCE;
+use crate::medium::Inclusion;
+use crate::mie::Directions;
 use crate::mie::PlaneWave;
 use crate::mie::Sphere;
-use crate::particle::{LogNormal, SizeDistribution, Weighting};
+use crate::particle::{LogNormal, PowerLaw, SizeDistribution, Weighting};
 use crate::phase::{Rayleigh, compare};
 use crate::substance::{Conditions, Substance};
 
@@ -170,16 +173,63 @@ fn a_spectrum_has_a_function_for_every_wavelength() {
     assert!(spectral.asymmetry(550e-9).is_some() && spectral.asymmetry(700e-9).is_none());
 }
 
-/// What is too large keeps its asymmetry, in the function and in the moments.
+/// Spheres of an index, of radii by a power law between size parameters, in a host of index 1.
+fn powder(index: Complex64, [least, most]: [f64; 2]) -> Medium {
+    let radius = |x: f64| x * GREEN / (2.0 * PI);
+    let sizes = SizeDistribution::PowerLaw(PowerLaw::new(3.0, radius(least), radius(most)).unwrap());
+    Medium::new(AIR, vec![Inclusion::new("powder", Substance::Constant(index), sizes, 1e-6)]).unwrap()
+}
+
+/// Shares of light between consecutive angles in degrees.
+fn shares(table: &Tabulated, degrees: &[f64]) -> Vec<f64> {
+    let below = |angle: &f64| table.forward_fraction(angle.to_radians().cos());
+    degrees.windows(2).map(|pair| below(&pair[1]) - below(&pair[0])).collect()
+}
+
+const DEGREES: [f64; 17] =
+    [0.0, 0.1, 0.3, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 75.0, 90.0, 110.0, 130.0, 155.0, 180.0];
+
+/// The road by rays against exact spheres.
 #[test]
-fn for_the_largest_another_function_stands_in() {
+fn rays_are_right_where_waves_can_tell() {
+    for index in [
+        Complex64::new(0.763, 0.0),
+        Complex64::new(1.023, 0.0),
+        Complex64::new(1.05, 0.0),
+        Complex64::new(1.12, 3e-4),
+        Complex64::new(1.33, 0.0),
+    ] {
+        let medium = powder(index, [1000.0, 2400.0]);
+        let found = medium.integrated_at(GREEN, 1e-3).unwrap();
+        let Members { mut members, road, largest } = medium.members(GREEN, 1e-3, &found.panels).unwrap();
+        assert_eq!(road, Road::Broad);
+        let exact = broad::table(&medium, GREEN, &members, largest, found.lack).unwrap();
+        members.iter_mut().for_each(|member| member.rays = true);
+        let rays = broad::table(&medium, GREEN, &members, largest, found.lack).unwrap();
+        println!(
+            "{index} {} members, 1 - g {:.6e} {:.6e}, {:?}",
+            members.len(),
+            found.lack,
+            exact.one_minus_asymmetry(),
+            compare(&exact.clone().into(), &rays.clone().into())
+        );
+        for ((exact, rays), angle) in shares(&exact, &DEGREES).iter().zip(shares(&rays, &DEGREES)).zip(&DEGREES[1..]) {
+            println!("{angle} {exact:.5e} {rays:.5e} {:.4}", rays / exact - 1.0);
+        }
+    }
+}
+
+/// What is too large for the series has a table too, of the right asymmetry, and its moments.
+#[test]
+fn the_largest_keep_their_asymmetry() {
     for diameter in [0.5e-3, 0.1] {
         let medium = droplet(diameter);
-        let g = medium.optics_at(GREEN, 1e-4).unwrap().asymmetry;
-        let PhaseFunction::HenyeyGreenstein(stand_in) = medium.phase_at(GREEN, 1e-4).unwrap() else { panic!() };
-        assert!((stand_in.asymmetry() - g).abs() < 1e-9);
-        let moments = medium.legendre_moments_at(GREEN, 3, 1e-4).unwrap();
-        assert!((moments[2] - g * g).abs() < 1e-9 && moments[0] == 1.0);
+        let at = medium.scattering_at(GREEN, 1e-4).unwrap();
+        let lack = 1.0 - at.optics().asymmetry;
+        let PhaseFunction::Tabulated(table) = at.phase_function(1e-4).unwrap() else { panic!() };
+        assert!((table.one_minus_asymmetry() / lack - 1.0).abs() < 1e-4);
+        let moments = at.legendre_moments(3).unwrap();
+        assert!(((1.0 - moments[1]) / lack - 1.0).abs() < 1e-4 && moments[0] == 1.0);
     }
 }
 
