@@ -15,10 +15,6 @@ const CLASS: f64 = 1.5;
 /// An exponent of attenuation that makes no difference.
 const CLEAR: f64 = 1e-3;
 
-/// How far the share of diffracted light may be from what rays alone say, to give the asymmetry that waves say: light at the
-/// rim of a sphere is counted with neither rightly.
-const RIM: f64 = 0.25;
-
 /// The mean phase function as a table whose `1 - g` is `lack`.
 pub(super) fn table(
     medium: &Medium,
@@ -57,11 +53,10 @@ fn same_class(attenuation: f64) -> i64 {
 /// Adds what spheres of about the same attenuation do.
 fn add_rays(class: &[(f64, &Member)], host: f64, grid: &AngleGrid, shares: &mut [f64]) {
     let angles = grid.as_slice();
-    let (mut light, mut reduced, mut exponent) = (0.0, 0.0, 0.0);
+    let (mut light, mut exponent) = (0.0, 0.0);
     let mut diffracted = vec![0.0; shares.len()];
     for (attenuation, member) in class {
         light += member.scattering;
-        reduced += member.reduced;
         exponent += member.scattering * attenuation;
         rays::diffracted(member.size, member.scattering, angles, &mut diffracted);
     }
@@ -70,20 +65,11 @@ fn add_rays(class: &[(f64, &Member)], host: f64, grid: &AngleGrid, shares: &mut 
         return;
     }
     let (followed, total) = rays::followed(sphere.index().re / host, exponent / light, angles);
-    let [past, through] = [(&diffracted, light), (&followed, total)].map(|(s, whole)| lack_of(s, angles) / whole);
-    let expected = 1.0 / (1.0 + total);
-    let found = (through - reduced / light) / (through - past);
-    let share = if found.is_finite() { found } else { expected };
-    let share = share.clamp(expected * (1.0 - RIM), 1.0 - (1.0 - expected) * (1.0 - RIM));
+    // As much as meets a sphere passes it by (`vandehulst1980`), of which absorption takes nothing.
+    let share = 1.0 / (1.0 + total);
     for ((sum, past), through) in shares.iter_mut().zip(diffracted).zip(followed) {
         *sum += share * past + (1.0 - share) * light / total * through;
     }
-}
-
-/// The sum of shares times `1 - cos` in the middle of their bins.
-fn lack_of(shares: &[f64], angles: &[f64]) -> f64 {
-    let away = |theta: f64| 2.0 * (0.5 * theta).sin().powi(2);
-    shares.iter().zip(angles.windows(2)).map(|(share, pair)| share * 0.5 * (away(pair[0]) + away(pair[1]))).sum()
 }
 
 /// Adds the integrals over bins of a function by its moments.

@@ -38,9 +38,8 @@ const LEAST_PHASE: f64 = 30.0;
 #[derive(Debug, Clone)]
 pub(super) struct Member {
     pub ball: Ball,
-    /// Scattering coefficient due to spheres like it, 1/m, and the same reduced by `1 - g`.
+    /// Scattering coefficient due to spheres like it, 1/m.
     pub scattering: f64,
-    pub reduced: f64,
     /// Scattering coefficient as if each were alone, 1/m.
     pub alone: f64,
     /// Those that it gets in the way of.
@@ -152,7 +151,6 @@ fn sample(
             members.push(Member {
                 ball: ball.clone(),
                 scattering: found.scattering * amount,
-                reduced: found.reduced * amount,
                 alone: found.alone * amount,
                 fluid: fluid(inclusion),
                 size: scatterer.size_parameter(size),
@@ -165,7 +163,6 @@ fn sample(
     let scale = inclusion.volume_fraction / volume;
     for member in &mut members[first..] {
         member.scattering *= scale;
-        member.reduced *= scale;
         member.alone *= scale;
     }
     Ok(())
