@@ -34,12 +34,14 @@ pub(crate) struct Integral<const K: usize> {
 }
 
 /// Integrals, and the panels that were enough for them, ascending.
-pub(crate) type Converged<const K: usize> = (Integral<K>, Vec<[f64; 2]>);
+pub(crate) type Converged<const K: usize> = (Integral<K>, Vec<Panel<K>>);
 
-struct Panel<const K: usize> {
-    from: f64,
-    to: f64,
-    integral: Integral<K>,
+/// A part of the range, and the integrals over it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Panel<const K: usize> {
+    pub from: f64,
+    pub to: f64,
+    pub integral: Integral<K>,
 }
 
 /// Integrates `f` over consecutive panels between `knots`, halving panels until the error of every component is at most
@@ -79,7 +81,7 @@ pub(crate) fn integrate_panels<const K: usize, E>(
         let floor = floor(&total.value);
         let allowed: [f64; K] = std::array::from_fn(|k| tolerance * (total.value[k].abs() + floor[k]));
         if (0..K).all(|k| total.error[k] <= allowed[k]) || spent() {
-            return Ok(Some((total, panels.iter().map(|panel| [panel.from, panel.to]).collect())));
+            return Ok(Some((total, panels)));
         }
         if panels.len() >= MAX_PANELS || !total.error.iter().all(|e| e.is_finite()) {
             return Ok(None);
@@ -224,9 +226,9 @@ mod tests {
         };
         let (integral, panels) =
             integrate_panels(&[-1.0, 0.5, 1.0], 1e-10, |_| [0.0], || false, fill).unwrap().unwrap();
-        assert_eq!((panels[0][0], panels[panels.len() - 1][1]), (-1.0, 1.0));
-        assert!(panels.windows(2).all(|pair| pair[0][1] == pair[1][0]) && panels.len() > 8);
-        let sum: f64 = panels.iter().flat_map(|panel| rule(*panel)).map(|(x, w)| w * peak(x)).sum();
+        assert_eq!((panels[0].from, panels[panels.len() - 1].to), (-1.0, 1.0));
+        assert!(panels.windows(2).all(|pair| pair[0].to == pair[1].from) && panels.len() > 8);
+        let sum: f64 = panels.iter().flat_map(|panel| rule([panel.from, panel.to])).map(|(x, w)| w * peak(x)).sum();
         assert!((sum / integral.value[0] - 1.0).abs() < 1e-13);
     }
 

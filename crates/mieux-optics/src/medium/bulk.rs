@@ -141,7 +141,6 @@ impl BulkOptics {
 }
 
 /// Sums over one inclusion at one wavelength, per metre of medium.
-#[derive(Clone, Copy)]
 struct Contribution {
     scattering: f64,
     absorption: f64,
@@ -150,6 +149,19 @@ struct Contribution {
     index_shift: f64,
     /// Believed errors of scattering, absorption and reduced scattering, 1/m.
     error: [f64; 3],
+    panels: InclusionPanels,
+}
+
+/// Panels in `u` that were enough for each part of the sizes of an inclusion; none for a part of one size.
+pub(super) type InclusionPanels = Vec<Vec<[f64; 2]>>;
+
+/// Coefficients at one wavelength, and what else the integral over sizes found.
+pub(super) struct Integrated {
+    pub optics: OpticsAt,
+    /// `1 - g` with all its digits.
+    pub lack: f64,
+    /// Of each inclusion.
+    pub panels: Vec<InclusionPanels>,
 }
 
 impl Medium {
@@ -177,6 +189,11 @@ impl Medium {
     /// [`MediumError`] when the wavelength is outside the data, a particle outside Lorenz-Mie's reach, or the integral
     /// does not converge.
     pub fn optics_at(&self, wavelength: f64, tolerance: f64) -> Result<OpticsAt, MediumError> {
+        Ok(self.integrated_at(wavelength, tolerance)?.optics)
+    }
+
+    /// [`Self::optics_at`] with the panels of the integral.
+    pub(super) fn integrated_at(&self, wavelength: f64, tolerance: f64) -> Result<Integrated, MediumError> {
         if !(1e-12..=1.0).contains(&tolerance) {
             return Err(MediumError::Tolerance { tolerance });
         }
@@ -186,6 +203,7 @@ impl Medium {
         // Of the wave in the medium, by particles each alone.
         let mut dilute = Complex64::ZERO;
         let mut error = [0.0; 3];
+        let mut panels = Vec::with_capacity(self.inclusions().len());
         for inclusion in self.inclusions() {
             let part = contribution(inclusion, wavelength, host, host_absorption, tolerance)?;
             scattering += part.scattering;
@@ -194,19 +212,22 @@ impl Medium {
             let extinction = part.scattering + part.absorption;
             dilute += wavelength * Complex64::new(-part.index_shift, extinction / (4.0 * PI));
             (0..3).for_each(|k| error[k] += part.error[k]);
+            panels.push(part.panels);
         }
         let relative = |k: usize, value: f64| if value > 0.0 { error[k] / value } else { 0.0 };
-        Ok(OpticsAt {
+        let lack = if scattering > 0.0 { reduced / scattering } else { 1.0 };
+        let optics = OpticsAt {
             sigma_s: scattering,
             sigma_a: absorption,
-            asymmetry: if scattering > 0.0 { 1.0 - reduced / scattering } else { 0.0 },
+            asymmetry: 1.0 - lack,
             n_real: self.effective_index().index(host, dilute).re,
             relative_error: RelativeError {
                 scattering: relative(0, scattering),
                 reduced: relative(2, reduced),
                 absorption: relative(1, absorption.max(ABSORPTION_FLOOR * reduced)),
             },
-        })
+        };
+        Ok(Integrated { optics, lack, panels })
     }
 }
 
@@ -228,6 +249,7 @@ fn contribution(
     };
     let mut sum = [0.0; 5];
     let mut error = [0.0; 3];
+    let mut all_panels = Vec::new();
     for Part { share, sizes } in inclusion.sizes.parts() {
         match sizes {
             Spread::One(size) => {
@@ -235,19 +257,28 @@ fn contribution(
                 let amount = share * inclusion.bulk(size);
                 let v = [v.scattering, v.absorption, v.reduced, v.shift, 1.0];
                 (0..5).for_each(|k| sum[k] += amount * v[k]);
+                all_panels.push(Vec::new());
             }
             Spread::Smooth(sizes) => {
-                let (integral, _) = scatterer.integrate(sizes, tolerance, true, floor)?;
+                let (integral, panels) = scatterer.integrate(sizes, tolerance, floor)?;
                 let scale = share / integral.value[5];
                 (0..5).for_each(|k| sum[k] += scale * integral.value[k]);
                 let volume = integral.error[4] / integral.value[4];
                 (0..3).for_each(|k| error[k] += scale * (integral.error[k] + integral.value[k].abs() * volume));
+                all_panels.push(panels.iter().map(|panel| [panel.from, panel.to]).collect());
             }
         }
     }
     let scale = fraction / sum[4];
     let [scattering, absorption, reduced, index_shift, _] = sum.map(|v| v * scale);
-    Ok(Contribution { scattering, absorption, reduced, index_shift, error: error.map(|e| e * scale) })
+    Ok(Contribution {
+        scattering,
+        absorption,
+        reduced,
+        index_shift,
+        error: error.map(|e| e * scale),
+        panels: all_panels,
+    })
 }
 
 #[cfg(test)]

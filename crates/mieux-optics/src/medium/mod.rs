@@ -9,6 +9,7 @@ mod inclusion;
 mod packing;
 mod phase;
 mod scatterer;
+mod sizes;
 
 use num_complex::Complex64;
 
@@ -19,6 +20,7 @@ pub use doubts::Doubt;
 pub use effective_index::EffectiveIndex;
 pub use inclusion::Inclusion;
 pub use packing::{HardSpheres, Packing, clearance};
+pub use phase::ScatteringAt;
 
 use crate::mie::MieError;
 use crate::phase::PhaseError;

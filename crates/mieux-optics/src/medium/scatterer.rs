@@ -1,6 +1,5 @@
 //! Cross sections of the particles of one inclusion, over sizes.
 
-use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
@@ -8,12 +7,12 @@ use num_complex::Complex64;
 
 use super::packing::HardSpheres;
 use super::{Inclusion, MediumError, Packing, SizedBy};
-use crate::integrate::{Converged, gauss_legendre, integrate_panels};
+use crate::integrate::gauss_legendre;
 use crate::mie::{
     Coefficients, Directions, Layer, LayeredSphere, MieError, PlaneWave, Sphere, SphereScattering,
     scatter_layered_spheres, scatter_spheres,
 };
-use crate::particle::{Smooth, sphere_volume};
+use crate::particle::sphere_volume;
 
 /// Modulus of a size parameter below which particles of many sizes are taken for a little larger: they scatter nothing, and
 /// what they absorb goes by volume.
@@ -22,12 +21,8 @@ const TINY: f64 = 1e-6;
 /// Part of it below which what lies inside a coat is left out.
 const HOLLOW: f64 = 0.1;
 
-/// Orders of the series of all spheres together, of one inclusion at one wavelength, after which the resonances of large spheres
-/// are not followed any further: some tenths of a second.
-const MOST_ORDERS: f64 = 1e7;
-
 /// A sphere that stands for particles, or for a part of one.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub(super) enum Ball {
     Homogeneous(Sphere),
     Layered(LayeredSphere),
@@ -59,8 +54,8 @@ pub(super) struct PerVolume {
 
 /// Cross sections of the particles of one inclusion at one wavelength.
 pub(super) struct Scatterer<'a> {
-    inclusion: &'a Inclusion,
-    wave: PlaneWave,
+    pub(super) inclusion: &'a Inclusion,
+    pub(super) wave: PlaneWave,
     core: Complex64,
     coats: Vec<Complex64>,
     fluid: Option<HardSpheres>,
@@ -207,42 +202,6 @@ impl<'a> Scatterer<'a> {
     /// The spheres that [`Self::per_volume`] was last asked about, in their order.
     pub fn balls(&self) -> &[Ball] {
         &self.balls
-    }
-
-    /// Integrates scattering, absorption, reduced scattering, and `Im S(0)/k^2`, over all sizes; fifth the volume of the particles,
-    /// sixth that of spheres of their sizes. Also returns the panels that were enough.
-    ///
-    /// If `bounded`, so is the work: beyond it the integral is what it is, with the error it has.
-    pub fn integrate(
-        &mut self,
-        sizes: &dyn Smooth,
-        tolerance: f64,
-        bounded: bool,
-        floor: impl Fn(&[f64; 6]) -> [f64; 6],
-    ) -> Result<Converged<6>, MediumError> {
-        // Every distribution was checked for its volume.
-        let knots = sizes.knots(3.0, 6.0).unwrap_or_default();
-        let inclusion = self.inclusion;
-        let wave = TAU / self.wave.wavelength() * self.wave.host().norm();
-        let x = |u: f64| wave * inclusion.shape.equivalent_radius(inclusion.outer_radius(sizes.measure(u).0));
-        let orders = Cell::new(0.0);
-        let spent = || bounded && orders.get() > MOST_ORDERS;
-        integrate_panels(&knots, tolerance, floor, spent, |nodes, values| {
-            let measures: Vec<(f64, f64)> = nodes.iter().map(|u| sizes.measure(*u)).collect();
-            let radii: Vec<f64> = measures.iter().map(|(size, _)| *size).collect();
-            let found = self.per_volume(&radii, true)?;
-            orders.set(orders.get() + nodes.iter().map(|u| x(*u)).sum::<f64>());
-            values.extend(found.iter().zip(measures).map(|(v, (size, sphere))| {
-                let m = sphere * inclusion.bulk(size);
-                [v.scattering * m, v.absorption * m, v.reduced * m, v.shift * m, m, sphere]
-            }));
-            Ok::<_, MediumError>(())
-        })?
-        .ok_or_else(|| MediumError::NotConverged {
-            inclusion: inclusion.name.clone(),
-            tolerance,
-            wavelength_m: self.wave.wavelength(),
-        })
     }
 }
 

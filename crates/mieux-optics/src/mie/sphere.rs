@@ -44,6 +44,11 @@ impl Sphere {
         Ok(sphere)
     }
 
+    /// Its refractive index.
+    pub fn index(&self) -> Complex64 {
+        self.index
+    }
+
     /// In the host and in the particle.
     fn size_parameters(&self) -> (Complex64, Complex64) {
         (self.wave.host() * self.k0r, self.index * self.k0r)

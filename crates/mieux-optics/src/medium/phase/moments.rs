@@ -1,64 +1,183 @@
 //! Legendre moments of the phase functions of media, without a table over angle between.
 
-use std::f64::consts::TAU;
+use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::{Medium, MediumError, Member, Members};
+use super::members::Member;
 use crate::integrate::gauss_legendre;
-use crate::medium::scatterer::node_count;
+use crate::medium::scatterer::{mie_error, node_count};
+use crate::medium::{Medium, MediumError};
 use crate::mie::Directions;
+use crate::phase::AngleGrid;
 
-impl Medium {
-    /// Legendre moments, from degree 0 to `max_degree`, of the phase function at a vacuum wavelength (m): 1, the mean
-    /// cosine, and so on; 1 and zeros where nothing scatters.
-    ///
-    /// Henyey and Greenstein's where [`Self::phase_at`] lets them stand in.
-    ///
-    /// The phase function of every sphere is a polynomial in the scattering cosine, and a Gauss rule with enough nodes for
-    /// the largest gives the moments of all of them without error but rounding: what is left is that of the integral over
-    /// radius, converged to `tolerance` as [`Self::optics_at`] does it. (A structure factor, where packing is corrected for, is no
-    /// polynomial, and gets nodes enough for 1e-6.)
-    ///
-    /// # Errors
-    /// As for [`Self::optics_at`].
-    pub fn legendre_moments_at(
-        &self,
-        wavelength: f64,
-        max_degree: usize,
-        tolerance: f64,
-    ) -> Result<Vec<f64>, MediumError> {
-        let members = match self.members(wavelength, tolerance)? {
-            Members::All(members) => members,
-            Members::TooLarge(stand_in) => {
-                return Ok((0..=max_degree).map(|degree| stand_in.asymmetry().powi(degree as i32)).collect());
-            }
-        };
-        let mut moments = vec![0.0; max_degree + 1];
-        if members.is_empty() {
-            moments[0] = 1.0;
-            return Ok(moments);
-        }
-        let nodes = |member: &Member| {
-            let terms = member.ball.coefficients().terms().len();
-            if member.fluid.is_some() { node_count(terms) } else { terms + 1 }
-        };
-        let count = members.par_iter().map(nodes).max().unwrap_or(1);
-        let nodes = gauss_legendre(count + max_degree / 2);
-        let directions = Directions::new(nodes.iter().map(|(mu, _)| *mu));
-        let values = self.sum(&members, &directions, nodes.len())?;
-        for ((mu, weight), value) in nodes.iter().zip(&values) {
-            let share = TAU * weight * value;
-            let (mut before, mut here) = (0.0, 1.0);
-            for (degree, moment) in moments.iter_mut().enumerate() {
-                *moment += share * here;
-                let l = degree as f64;
-                (before, here) = (here, ((2.0 * l + 1.0) * mu * here - l * before) / (l + 1.0));
-            }
-        }
-        let whole = moments[0];
-        Ok(moments.into_iter().map(|moment| moment / whole).collect())
+/// Spheres that are added up by themselves; fixed, so that results do not depend on the number of threads.
+const BATCH: usize = 16;
+
+/// Sizes of spheres that share a Gauss rule, largest over smallest.
+const CLASS: f64 = 1.4;
+
+/// Nodes of a Gauss rule that are gone through by themselves.
+const NODES: usize = 64;
+
+/// A Gauss rule over the cosine.
+struct Rule {
+    nodes: Vec<(f64, f64)>,
+    directions: Directions,
+}
+
+/// The rules that were asked for; there are some thirty.
+static RULES: Mutex<BTreeMap<usize, Arc<Rule>>> = Mutex::new(BTreeMap::new());
+
+/// A rule of at least so many nodes, of numbers that grow by an eighth.
+fn rule(least: usize) -> Arc<Rule> {
+    let mut count = 8usize;
+    while count < least {
+        count += (count / 8).max(1);
     }
+    let rules = || RULES.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(found) = rules().get(&count) {
+        return found.clone();
+    }
+    let nodes = gauss_legendre(count);
+    let directions = Directions::new(nodes.iter().map(|(mu, _)| *mu));
+    let made = Arc::new(Rule { nodes, directions });
+    rules().entry(count).or_insert(made).clone()
+}
+
+/// All moments of the sum of scattering coefficients times phase functions; the first is that of scattering coefficients.
+pub(super) fn of_all(medium: &Medium, members: &[Member]) -> Result<Vec<f64>, MediumError> {
+    let mut order: Vec<&Member> = members.iter().collect();
+    order.sort_by(|a, b| a.size.total_cmp(&b.size));
+    let mut total = Vec::new();
+    for class in classes(&order) {
+        let terms = class.par_iter().map(|member| member.ball.coefficients().terms().len()).max().unwrap_or(1);
+        // Phase functions are of twice the degree, and so are the polynomials they are multiplied with.
+        let rule = rule(2 * terms + 1);
+        let values = sum(medium, class, &rule.directions)?;
+        let moments = project(&rule.nodes, &values, 2 * terms);
+        total.resize(total.len().max(moments.len()), 0.0);
+        total.iter_mut().zip(moments).for_each(|(total, moment)| *total += moment);
+    }
+    Ok(total)
+}
+
+/// Runs of ascending sizes that can share a rule.
+fn classes<'a, 'b>(ascending: &'a [&'b Member]) -> Vec<&'a [&'b Member]> {
+    let (mut classes, mut rest) = (Vec::new(), ascending);
+    while let Some(first) = rest.first() {
+        let most = CLASS * first.size + 4.0;
+        let (class, after) = rest.split_at(rest.partition_point(|member| member.size <= most).max(1));
+        classes.push(class);
+        rest = after;
+    }
+    classes
+}
+
+/// Moments up to a degree of a function given at the nodes of a rule.
+fn project(nodes: &[(f64, f64)], values: &[f64], max_degree: usize) -> Vec<f64> {
+    let factors = factors(max_degree);
+    let parts: Vec<Vec<f64>> = nodes
+        .par_chunks(NODES)
+        .zip(values.par_chunks(NODES))
+        .map(|(nodes, values)| {
+            let mut moments = vec![0.0; max_degree + 1];
+            for ((mu, weight), value) in nodes.iter().zip(values) {
+                let share = TAU * weight * value;
+                let (mut before, mut here) = (0.0, 1.0);
+                for (moment, [up, down]) in moments.iter_mut().zip(&factors) {
+                    *moment += share * here;
+                    (before, here) = (here, up * mu * here - down * before);
+                }
+            }
+            moments
+        })
+        .collect();
+    let mut moments = vec![0.0; max_degree + 1];
+    for part in parts {
+        moments.iter_mut().zip(part).for_each(|(moment, part)| *moment += part);
+    }
+    moments
+}
+
+/// `(2l + 1)/(l + 1)` and `l/(l + 1)` up to a degree.
+fn factors(max_degree: usize) -> Vec<[f64; 2]> {
+    (0..=max_degree)
+        .map(|l| {
+            let l = l as f64;
+            [(2.0 * l + 1.0) / (l + 1.0), l / (l + 1.0)]
+        })
+        .collect()
+}
+
+/// The phase function of all its moments at angles (rad), its rounding not negative.
+pub(super) fn values(moments: &[f64], angles: &[f64]) -> Vec<f64> {
+    let factors = factors(moments.len());
+    let scaled: Vec<f64> = moments.iter().enumerate().map(|(l, m)| (2 * l + 1) as f64 * m / (4.0 * PI)).collect();
+    angles
+        .par_iter()
+        .map(|angle| {
+            let mu = angle.cos();
+            let (mut before, mut here, mut sum) = (0.0, 1.0, 0.0);
+            for (moment, [up, down]) in scaled.iter().zip(&factors) {
+                sum += moment * here;
+                (before, here) = (here, up * mu * here - down * before);
+            }
+            sum.max(0.0)
+        })
+        .collect()
+}
+
+/// The first moments, normalised, where a structure factor is in play.
+pub(super) fn of_packed(medium: &Medium, members: &[Member], max_degree: usize) -> Result<Vec<f64>, MediumError> {
+    let terms = members.par_iter().map(|member| member.ball.coefficients().terms().len()).max().unwrap_or(1);
+    let rule = rule(node_count(terms) + max_degree / 2);
+    let all: Vec<&Member> = members.iter().collect();
+    let moments = project(&rule.nodes, &sum(medium, &all, &rule.directions)?, max_degree);
+    let whole = moments[0];
+    Ok(moments.into_iter().map(|moment| moment / whole).collect())
+}
+
+/// The sum of scattering coefficients times phase functions, at the angles of a grid.
+pub(super) fn packed_values(medium: &Medium, members: &[Member], grid: &AngleGrid) -> Result<Vec<f64>, MediumError> {
+    let angles = grid.as_slice();
+    let last = angles.len() - 1;
+    // Graded grids are mirrored about 90 degrees; exact mirror images share their work.
+    let cosine = |i: usize| if 2 * i > last { -angles[last - i].cos() } else { angles[i].cos() };
+    let directions = Directions::new((0..=last).map(|i| if 2 * i == last { 0.0 } else { cosine(i) }));
+    let all: Vec<&Member> = members.iter().collect();
+    sum(medium, &all, &directions)
+}
+
+/// The sum of scattering coefficients times phase functions, in the order of `directions`.
+fn sum(medium: &Medium, members: &[&Member], directions: &Directions) -> Result<Vec<f64>, MediumError> {
+    let count = directions.cosines().len();
+    let sums: Result<Vec<Vec<f64>>, MediumError> = members
+        .par_chunks(BATCH)
+        .map(|batch| {
+            let mut sum = vec![0.0; count];
+            for member in batch {
+                let phase = member.ball.coefficients().phase_function(directions);
+                let phase = phase.map_err(|source| mie_error(&medium.inclusions()[member.inclusion], source))?;
+                match member.fluid {
+                    None => sum.iter_mut().zip(phase).for_each(|(sum, p)| *sum += member.alone * p),
+                    Some(fluid) => {
+                        for ((sum, p), mu) in sum.iter_mut().zip(phase).zip(directions.cosines()) {
+                            *sum += member.alone * p * fluid.at(member.size, *mu);
+                        }
+                    }
+                }
+            }
+            Ok(sum)
+        })
+        .collect();
+    let mut total = vec![0.0; count];
+    for sum in sums? {
+        total.iter_mut().zip(sum).for_each(|(total, s)| *total += s);
+    }
+    Ok(total)
 }
 
 #[cfg(test)]

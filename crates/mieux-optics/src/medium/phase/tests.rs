@@ -1,11 +1,14 @@
 use std::f64::consts::PI;
 
 use super::*;
+use crate::Complex64;
 use crate::material::milk::Milk;
 use crate::medium::DEFAULT_TOLERANCE;
+use crate::medium::Inclusion;
+use crate::mie::Directions;
 use crate::mie::PlaneWave;
 use crate::mie::Sphere;
-use crate::particle::{LogNormal, SizeDistribution, Weighting};
+use crate::particle::{LogNormal, PowerLaw, SizeDistribution, Weighting};
 use crate::phase::{Rayleigh, compare};
 use crate::substance::{Conditions, Substance};
 
@@ -170,16 +173,134 @@ fn a_spectrum_has_a_function_for_every_wavelength() {
     assert!(spectral.asymmetry(550e-9).is_some() && spectral.asymmetry(700e-9).is_none());
 }
 
-/// What is too large keeps its asymmetry, in the function and in the moments.
+/// Spheres of an index, of radii by a power law between size parameters, in a host of index 1.
+fn powder(index: Complex64, [least, most]: [f64; 2]) -> Medium {
+    let radius = |x: f64| x * GREEN / (2.0 * PI);
+    let sizes = SizeDistribution::PowerLaw(PowerLaw::new(3.0, radius(least), radius(most)).unwrap());
+    Medium::new(AIR, vec![Inclusion::new("powder", Substance::Constant(index), sizes, 1e-6)]).unwrap()
+}
+
+/// Shares of light between consecutive angles in degrees.
+fn shares(table: &Tabulated, degrees: &[f64]) -> Vec<f64> {
+    let below = |angle: &f64| table.forward_fraction(angle.to_radians().cos());
+    degrees.windows(2).map(|pair| below(&pair[1]) - below(&pair[0])).collect()
+}
+
+const DEGREES: [f64; 17] =
+    [0.0, 0.1, 0.3, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 75.0, 90.0, 110.0, 130.0, 155.0, 180.0];
+
+/// The road by rays against exact spheres of size parameters from 1000 to 2400: bubbles in ice, brine in ice, minerals in
+/// water, water in air. What is left is light at the rim (1 to 5 degrees, and all wide angles of the weakest contrast).
 #[test]
-fn for_the_largest_another_function_stands_in() {
+fn rays_are_right_where_waves_can_tell() {
+    let cases = [(0.763, 0.0, 0.02), (1.023, 0.0, 0.04), (1.05, 0.0, 0.04), (1.12, 3e-4, 0.02), (1.33, 0.0, 0.02)];
+    for (re, im, bound) in cases {
+        let medium = powder(Complex64::new(re, im), [1000.0, 2400.0]);
+        let found = medium.integrated_at(GREEN, 1e-3).unwrap();
+        let Members { mut members, road, largest } = medium.members(GREEN, 1e-3, &found.panels).unwrap();
+        assert_eq!(road, Road::Broad);
+        let exact = broad::table(&medium, GREEN, &members, largest, found.lack).unwrap();
+        members.iter_mut().for_each(|member| member.rays = true);
+        let rays = broad::table(&medium, GREEN, &members, largest, found.lack).unwrap();
+        assert!((rays.one_minus_asymmetry() / found.lack - 1.0).abs() < 1e-6);
+        let (exact, rays) = (shares(&exact, &DEGREES), shares(&rays, &DEGREES));
+        let elsewhere = 0.5 * exact.iter().zip(&rays).map(|(e, r)| (e - r).abs()).sum::<f64>();
+        println!("{re} {elsewhere}");
+        for ((exact, rays), angle) in exact.iter().zip(&rays).zip(&DEGREES[1..]) {
+            println!("{angle} {exact:.5e} {rays:.5e} {:.4}", rays / exact - 1.0);
+        }
+        assert!(elsewhere < bound, "{re}: {elsewhere}");
+        for ((exact, rays), angle) in exact.iter().zip(&rays).zip(&DEGREES[1..]).filter(|((e, _), _)| **e > 0.02) {
+            assert!((rays / exact - 1.0).abs() < 0.12, "{re}, up to {angle} degrees: {exact} {rays}");
+        }
+    }
+}
+
+/// Fringes average out: other sizes, and up to twice as many, give the same function.
+#[test]
+fn sizes_spread_wide_are_enough() {
+    let medium = powder(Complex64::new(1.12, 1e-4), [100.0, 1500.0]);
+    let PhaseFunction::Tabulated(table) = medium.phase_at(GREEN, 1e-3).unwrap() else { panic!() };
+    let found = medium.integrated_at(GREEN, 1e-3).unwrap();
+    let thirds = |[from, to]: [f64; 2]| {
+        (0..30).map(move |k| [0, 1].map(|j| from + (to - from) * f64::from(k + j) / 30.0)).collect::<Vec<_>>()
+    };
+    let finer = found
+        .panels
+        .iter()
+        .map(|parts| parts.iter().map(|p| p.iter().copied().flat_map(thirds).collect()).collect())
+        .collect::<Vec<_>>();
+    let members = medium.members(GREEN, 1e-3, &finer).unwrap();
+    println!("{} members", members.members.len());
+    let other = broad::table(&medium, GREEN, &members.members, members.largest, found.lack).unwrap();
+    for ((a, b), angle) in shares(&table, &DEGREES).iter().zip(shares(&other, &DEGREES)).zip(&DEGREES[1..]) {
+        println!("{angle} {a:.5e} {b:.5e} {:.4}", a / b - 1.0);
+        assert!((a / b - 1.0).abs() < 0.05, "up to {angle} degrees: {a} {b}");
+    }
+}
+
+/// TEMPORARY
+#[test]
+fn zz_processor_time() {
+    let seconds = || {
+        let t = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+        t.tv_sec as f64 + 1e-9 * t.tv_nsec as f64
+    };
+    let gamma = |r, v| SizeDistribution::Gamma(crate::particle::Gamma::new(r, v).unwrap());
+    let sea = || {
+        let sizes = SizeDistribution::PowerLaw(PowerLaw::new(3.4, 1e-8, 1e-4).unwrap());
+        Medium::new(
+            Substance::Constant(Complex64::new(1.34, 1e-9)),
+            vec![Inclusion::new("m", Substance::Constant(Complex64::new(1.58, 4e-4)), sizes, 2e-6)],
+        )
+        .unwrap()
+    };
+    let ice = || {
+        let sizes = SizeDistribution::PowerLaw(PowerLaw::new(1.24, 1e-4, 2e-3).unwrap());
+        Medium::new(
+            Substance::Constant(Complex64::new(1.31, 1e-9)),
+            vec![Inclusion::new("m", Substance::Constant(Complex64::new(1.0, 0.0)), sizes, 6e-3)],
+        )
+        .unwrap()
+    };
+    for (name, medium) in [
+        ("cloud", droplets(gamma(6e-6, 0.15))),
+        ("fog", droplets(gamma(8e-6, 0.2))),
+        ("milk", milk(3.5, 3.4)),
+        ("sea", sea()),
+        ("ice", ice()),
+    ] {
+        let start = seconds();
+        let optics = medium.optics_at(GREEN, 1e-3).unwrap();
+        let first = seconds();
+        let at = medium.scattering_at(GREEN, 1e-3).unwrap();
+        let second = seconds();
+        let (moments, phase) = (at.legendre_moments(64).unwrap(), at.phase_function(1e-3).unwrap());
+        let third = seconds();
+        println!(
+            "{name}: coefficients {:.3} s, all {:.3} s + {:.3} s; g {:.6} {:.6} {:.6}, {:?}",
+            first - start,
+            second - first,
+            third - second,
+            optics.asymmetry,
+            moments[1],
+            phase.asymmetry(),
+            optics.relative_error
+        );
+    }
+}
+
+/// What is too large for the series has a table too, of the right asymmetry, and its moments.
+#[test]
+fn the_largest_keep_their_asymmetry() {
     for diameter in [0.5e-3, 0.1] {
         let medium = droplet(diameter);
-        let g = medium.optics_at(GREEN, 1e-4).unwrap().asymmetry;
-        let PhaseFunction::HenyeyGreenstein(stand_in) = medium.phase_at(GREEN, 1e-4).unwrap() else { panic!() };
-        assert!((stand_in.asymmetry() - g).abs() < 1e-9);
-        let moments = medium.legendre_moments_at(GREEN, 3, 1e-4).unwrap();
-        assert!((moments[2] - g * g).abs() < 1e-9 && moments[0] == 1.0);
+        let at = medium.scattering_at(GREEN, 1e-4).unwrap();
+        let lack = 1.0 - at.optics().asymmetry;
+        let PhaseFunction::Tabulated(table) = at.phase_function(1e-4).unwrap() else { panic!() };
+        assert!((table.one_minus_asymmetry() / lack - 1.0).abs() < 1e-4);
+        let moments = at.legendre_moments(3).unwrap();
+        assert!(((1.0 - moments[1]) / lack - 1.0).abs() < 1e-4 && moments[0] == 1.0);
     }
 }
 

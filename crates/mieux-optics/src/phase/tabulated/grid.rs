@@ -75,13 +75,31 @@ impl AngleGrid {
         if PI / widest > 0.9 * Self::MAX_LEN as f64 {
             return Err(PhaseError::AngleGrid { what: "size parameter times bins per period", value: PI / widest });
         }
+        Self::mirrored(widest / 8.0, Self::GROWTH, widest)
+    }
+
+    /// For many spheres of many sizes, whose oscillations over angle average out: as fine towards forward and backward as the
+    /// peak of the largest size parameter wants, and away from there in steps of 3 % up to half a degree.
+    ///
+    /// # Errors
+    /// [`PhaseError::AngleGrid`] unless it is positive and finite.
+    pub(crate) fn broad(size_parameter: f64) -> Result<Self, PhaseError> {
+        if !(size_parameter > 0.0 && size_parameter.is_finite()) {
+            return Err(PhaseError::AngleGrid { what: "size parameter", value: size_parameter });
+        }
+        let widest = 0.5 * Self::WIDEST;
+        Self::mirrored((0.05 / size_parameter).min(widest), 1.03, widest)
+    }
+
+    /// Bins that grow from both ends.
+    fn mirrored(narrowest: f64, growth: f64, widest: f64) -> Result<Self, PhaseError> {
         // Half of it, up to 90 degrees, stretched to end there; the other half is its image.
         let mut half = vec![0.0];
-        let (mut angle, mut width) = (0.0, widest / 8.0);
+        let (mut angle, mut width) = (0.0, narrowest);
         while angle < 0.5 * PI {
             angle += width;
             half.push(angle);
-            width = (width * Self::GROWTH).min(widest);
+            width = (width * growth).min(widest);
         }
         let stretch = 0.5 * PI / angle;
         let mut angles: Vec<f64> = half.iter().map(|theta| theta * stretch).collect();

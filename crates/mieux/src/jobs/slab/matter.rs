@@ -160,16 +160,15 @@ impl SpectralMatter {
                     return Err(JobError::Cancelled);
                 }
                 let medium = &material.medium;
-                let optics = medium.optics_at(wavelength, wanted.tolerance).map_err(failed)?;
+                let scattering = medium.scattering_at(wavelength, wanted.tolerance).map_err(failed)?;
                 let index = medium.host().index(wavelength).map_err(|e| failed(MediumError::from(e)))?.re;
-                let moments = medium.legendre_moments_at(wavelength, wanted.degree, wanted.tolerance);
-                let moments = Moments::new(moments.map_err(failed)?)?;
+                let moments = Moments::new(scattering.legendre_moments(wanted.degree).map_err(failed)?)?;
                 let function = match wanted.functions {
-                    true => Some(medium.phase_at(wavelength, wanted.tolerance.max(TABLE)).map_err(failed)?),
+                    true => Some(scattering.phase_function(wanted.tolerance.max(TABLE)).map_err(failed)?),
                     false => None,
                 };
                 context.count(count.stage, count.done.fetch_add(1, Ordering::Relaxed) + 1, count.total);
-                Ok((optics, index, Scattering { moments, function }))
+                Ok((*scattering.optics(), index, Scattering { moments, function }))
             })
             .collect();
         let mut matter = Self { sigma_s: vec![], sigma_a: vec![], index: vec![], scattering: vec![] };
