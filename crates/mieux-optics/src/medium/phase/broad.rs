@@ -65,7 +65,7 @@ fn add_rays(class: &[(f64, &Member)], host: f64, grid: &AngleGrid, shares: &mut 
         return;
     }
     let (followed, total) = rays::followed(sphere.index().re / host, exponent / light, angles);
-    // As much as meets a sphere passes it by (`vandehulst1980`), of which absorption takes nothing.
+    // As much as meets a sphere passes it by (`vandehulst1957`), of which absorption takes nothing.
     let share = 1.0 / (1.0 + total);
     for ((sum, past), through) in shares.iter_mut().zip(diffracted).zip(followed) {
         *sum += share * past + (1.0 - share) * light / total * through;

@@ -1,7 +1,7 @@
 //! Spheres much larger than the wavelength: light that passes by, diffracted, and light that meets them, followed by rays.
 //!
 //! Half of what a large sphere takes from a wave it diffracts, as the disc of its shadow does; the other half is reflected, refracted
-//! and absorbed (`vandehulst1980`, chapter 12). Interference between rays, which averages out over sizes, is left out.
+//! and absorbed (`vandehulst1957`, chapter 12). Interference between rays, which averages out over sizes, is left out.
 
 use std::f64::consts::PI;
 
