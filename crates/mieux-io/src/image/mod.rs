@@ -1,11 +1,13 @@
 //! Pictures in files: PNG to look at, OpenEXR to compute with.
 
 mod openexr;
+mod radiance;
 mod srgb;
 
 use std::path::{Path, PathBuf};
 
 pub use openexr::{ExrImage, Film, MAX_CHANNELS, read_exr, write_exr, write_exr_channels};
+pub use radiance::read_radiance;
 pub use srgb::write_png_srgb8;
 
 use crate::output::OutputError;
@@ -53,6 +55,14 @@ pub enum ImageError {
         path: PathBuf,
         /// Why.
         source: std::io::Error,
+    },
+    /// A picture of radiance that is damaged or of another kind.
+    #[error("`{}` is no picture of radiance that can be read: {problem}", path.display())]
+    Radiance {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
     },
     /// The file is damaged, cut short, or no OpenEXR file at all.
     #[error("`{}` is not a whole OpenEXR file: {problem}", path.display())]

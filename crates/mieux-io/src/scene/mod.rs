@@ -1,7 +1,7 @@
 //! Scenes as TOML: which materials stand in which glasses. The built-in scenes are such files.
 
 pub mod description;
-mod transform;
+pub(crate) mod transform;
 
 use std::path::Path;
 
