@@ -126,7 +126,10 @@ fn transforms_are_those_of_mitsuba() {
             [0.0, 0.597614, -0.801784, 3.0],
         ],
     );
-    near(&scene.shapes[1].to_world, [[2.0, 0.267949, 1.0, 1.0], [0.267949, 2.0, -1.0, 2.0], [-1.0, 1.0, 1.73205, 0.0]]);
+    near(
+        &scene.shapes[1].to_world,
+        [[1.82851, 0.128616, 0.8, 1.0], [0.128616, 1.90354, -0.6, 2.0], [-0.8, 0.6, 1.73205, 0.0]],
+    );
     let scene = with(
         "<shape type='disk'><transform name='to_world'><matrix value='1 0 0 5 0 2 0 0 0 0 3 0 0 0 0 1'/>\
          <rotate value='0,0,1' angle='90'/></transform></shape>",

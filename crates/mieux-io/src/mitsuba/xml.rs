@@ -104,6 +104,9 @@ pub(super) fn parse(source: &Rc<Source>) -> Result<Rc<Element>, Box<TextError>> 
             }
             Event::Text(said) if said.trim().is_empty() => {}
             Event::Text(_) | Event::CData(_) | Event::GeneralRef(_) => {
+                // Where the text itself starts.
+                let blank = text[span.clone()].len() - text[span.clone()].trim_start().len();
+                let span = span.start + blank..span.end;
                 return Err(error(span, "there is text here, where only elements can be".into()));
             }
             Event::DocType(_) => {
