@@ -115,7 +115,9 @@ pub(super) fn read(path: &Path) -> Result<RawMesh, MeshError> {
             _ if element.properties.is_empty() => {
                 return Err(error(format!("the element `{}` has no property", element.name)));
             }
-            _ => drop(reader.next_element::<IgnoredRows>().map_err(told)?),
+            _ => {
+                reader.next_element::<IgnoredRows>().map_err(told)?;
+            }
         }
     }
     let mut mesh = mesh.ok_or_else(|| error("there is no element `vertex`".into()))?;

@@ -86,15 +86,17 @@ impl Importer {
         if let Some(found) = self.medium_of(p, "medium")? {
             return Ok(Some(found));
         }
-        for child in p.rest(&["medium", "ref"]) {
-            let object = self.object(&child)?;
-            if object.tag != "medium" {
-                let tag = &p.element.tag;
-                return Err(child.error(format!("a `{}` has no place in a {tag}", object.tag)));
-            }
-            return self.medium(&object).map(Some);
+        let rest = p.rest(&["medium", "ref"]);
+        let tag = &p.element.tag;
+        if let Some(second) = rest.get(1) {
+            return Err(second.error(format!("the {tag} is in a medium already")));
         }
-        Ok(None)
+        let Some(child) = rest.first() else { return Ok(None) };
+        let object = self.object(child)?;
+        if object.tag != "medium" {
+            return Err(child.error(format!("a `{}` has no place in a {tag}", object.tag)));
+        }
+        self.medium(&object).map(Some)
     }
 
     fn film(element: &Rc<Element>, camera: &mut Camera) -> Result<()> {

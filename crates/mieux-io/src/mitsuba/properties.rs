@@ -295,8 +295,8 @@ pub(super) fn spectrum(element: &Rc<Element>, kind: RgbKind) -> Result<Spectrum>
             only(element, &["name", "value"])?;
             let found = numbers(element, "value")?;
             let rgb = match found.as_slice() {
-                &[all] => [all; 3],
-                &[r, g, b] => [r, g, b],
+                [all] => [*all; 3],
+                [r, g, b] => [*r, *g, *b],
                 _ => return Err(element.error_at("value", format!("{} numbers where three should be", found.len()))),
             };
             Spectrum::Rgb { rgb, kind }
