@@ -66,8 +66,9 @@ impl Importer {
         let distance = |d: f64| d > 0.0;
         let near = p.float_in("near_clip", 0.01, "more than 0", distance)?;
         camera.clip = Some([near, p.float_in("far_clip", 1e4, "more than `near_clip`", |f| f > near)?]);
-        camera.principal_point =
-            [p.float("principal_point_offset_x")?.unwrap_or(0.0), p.float("principal_point_offset_y")?.unwrap_or(0.0)];
+        // Mitsuba shifts the film, and so the axis the other way, as rays of its version 3.9.1 show.
+        let offset = |name: &'static str| -> Result<f64> { Ok(0.0 - p.float(name)?.unwrap_or(0.0)) };
+        camera.principal_point = [offset("principal_point_offset_x")?, offset("principal_point_offset_y")?];
         p.ignore(&["shutter_open", "shutter_close"]);
         camera.medium = self.medium_child(&p)?;
         for film in p.rest(&["film"]) {
@@ -145,7 +146,7 @@ impl Importer {
             "mitchell" => {
                 let third = 1.0 / 3.0;
                 let finite = |v: f64| v.is_finite();
-                let (b, c) = (p.float_in("A", third, "", finite)?, p.float_in("B", third, "", finite)?);
+                let (b, c) = (p.float_in("B", third, "", finite)?, p.float_in("C", third, "", finite)?);
                 ReconstructionFilter::Mitchell { b, c }
             }
             "catmullrom" => ReconstructionFilter::CatmullRom,
