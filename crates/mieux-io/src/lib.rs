@@ -6,10 +6,12 @@
 mod cells;
 pub mod checkpoint;
 pub mod export;
+pub mod grid;
 pub mod image;
 pub mod index_file;
 pub mod measured;
 pub mod mesh;
+pub mod mitsuba;
 pub mod netcdf;
 pub mod output;
 pub mod paint;
@@ -22,6 +24,8 @@ pub mod scene;
 pub mod slab_file;
 pub mod table;
 pub mod tev;
+#[cfg(test)]
+mod testing;
 mod text_error;
 
 pub use text_error::{TextError, nearest_names};

@@ -1,6 +1,7 @@
 //! Pictures in files: PNG to look at, OpenEXR to compute with.
 
 mod openexr;
+mod radiance;
 mod srgb;
 mod tone;
 
@@ -11,6 +12,7 @@ pub use openexr::{
 };
 pub use srgb::{write_png_srgb8, write_png_toned};
 pub use tone::Tone;
+pub use radiance::read_radiance;
 
 use crate::output::OutputError;
 use crate::quantity::{QuantityError, Size};
@@ -57,6 +59,14 @@ pub enum ImageError {
         path: PathBuf,
         /// Why.
         source: std::io::Error,
+    },
+    /// A picture of radiance that is damaged or of another kind.
+    #[error("`{}` is no picture of radiance that can be read: {problem}", path.display())]
+    Radiance {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
     },
     /// The file is damaged, cut short, or no OpenEXR file at all.
     #[error("`{}` is not a whole OpenEXR file: {problem}", path.display())]

@@ -384,6 +384,7 @@ pub struct Medium {
 }
 
 /// What a medium is.
+#[expect(clippy::large_enum_variant, reason = "a scene has few media")]
 #[derive(Debug, Clone, PartialEq)]
 pub enum MediumKind {
     /// Everywhere the same, from a recipe.

@@ -1,7 +1,8 @@
 //! Scenes as TOML: which materials stand in which glasses. The built-in scenes are such files.
 
 pub mod description;
-mod transform;
+mod own;
+pub(crate) mod transform;
 
 use std::path::Path;
 
@@ -13,6 +14,7 @@ use crate::recipe::{MATERIALS, Recipe, RecipeError, as_file, read_text, stem, un
 use crate::text_error::TextError;
 
 pub use description::Description;
+pub use own::{is_whole_scene, parse_whole_scene};
 pub use transform::Transform;
 
 /// Stands for the material that was asked for.
