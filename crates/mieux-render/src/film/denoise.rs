@@ -44,8 +44,9 @@ pub fn denoise([width, height]: [u32; 2], noisy: &Noisy<'_>) -> Option<Vec<[f64;
                 Some(q) => colour_distance(noisy, &variance, grid.index(x, y), q),
                 None => f64::INFINITY,
             });
-            let across = grid.map(|x, y| (-PATCH..=PATCH).map(|d| distance[grid.nearest(x + d, y)]).sum());
-            sums.par_chunks_mut(width as usize).zip(0i64..).for_each(|(row, y)| {
+            let across: Vec<f64> = grid.map(|x, y| (-PATCH..=PATCH).map(|d| distance[grid.nearest(x + d, y)]).sum());
+            sums.par_chunks_mut(width as usize).enumerate().for_each(|(y, row)| {
+                let y = y as i64;
                 for (x, sum) in (0i64..).zip(row) {
                     let Some(q) = grid.at(x + dx, y + dy) else { continue };
                     let patch: f64 = (-PATCH..=PATCH).map(|d| across[grid.nearest(x, y + d)]).sum();
@@ -106,7 +107,8 @@ impl Grid {
     }
 
     fn map<T: Send>(&self, value: impl Fn(i64, i64) -> T + Sync) -> Vec<T> {
-        (0..self.height).into_par_iter().flat_map_iter(|y| (0..self.width).map(move |x| (x, y))).map(|(x, y)| value(x, y)).collect()
+        let row = |y: i64| (0..self.width).map(move |x| (x, y));
+        (0..self.height).into_par_iter().flat_map_iter(row).map(|(x, y)| value(x, y)).collect()
     }
 
     /// Means over 5 x 5 pixels: variances are noisy themselves, and those of dark samples too small.
