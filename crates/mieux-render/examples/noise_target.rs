@@ -2,7 +2,7 @@
 //! until it is good enough by itself; whether the noise said is the error found; and whether stopping on an estimate shifts
 //! the picture.
 //!
-//! `cargo run --release -p mieux-render --example noise_target [-- NOISE]`, a few minutes on two cores.
+//! `cargo run --release -p mieux-render --example noise_target [-- NOISE]`, a minute or two on two cores.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
@@ -13,8 +13,8 @@ use mieux_render::medium::Medium;
 use mieux_render::render::{Exposure, Flow, RenderSettings, StopRule, render_prepared, worst_tile_noise};
 use mieux_render::scene::{GlassScene, Prepared, glasses};
 
-const SEEDS: u64 = 16;
-const REFERENCE: u64 = 1024;
+const SEEDS: u64 = 8;
+const REFERENCE: u64 = 512;
 
 fn main() {
     let wanted = std::env::args().nth(1).map_or(0.2, |text| text.parse().unwrap());
@@ -117,6 +117,6 @@ fn milk() -> Prepared {
     };
     let glass = Medium::clear(constant(1.0).unwrap(), constant(1.52).unwrap()).unwrap();
     let mut wanted = GlassScene::new(vec![("milk".into(), milk)], glass);
-    wanted.resolution = [96, 72];
+    wanted.resolution = [64, 48];
     Prepared::new(&glasses(&wanted).unwrap()).unwrap()
 }
