@@ -100,7 +100,11 @@ fn bias(films: &[Film], reference: &Film) {
     let share = |value: f64, c: usize| 100.0 * value / sum[c];
     let text: [String; 3] =
         std::array::from_fn(|c| format!("{:+.3} +- {:.3} %", share(off[c], c), share(variance[c].sqrt(), c)));
-    println!("mean of {} pictures against {REFERENCE} samples per pixel: bias R, G, B {}", films.len(), text.join(", "));
+    println!(
+        "mean of {} pictures against {REFERENCE} samples per pixel: bias R, G, B {}",
+        films.len(),
+        text.join(", ")
+    );
 }
 
 fn milk() -> Prepared {
