@@ -138,8 +138,10 @@ mod tests {
 
     const SIZE: [u32; 2] = [64, 48];
 
+    type Field = Vec<[f64; 3]>;
+
     /// Two fields of different colour, and noise of a tenth of the brighter.
-    fn fields(noise: f64) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, Vec<[f64; 3]>) {
+    fn fields(noise: f64) -> (Field, Field, Field) {
         let mut generator = Pcg64Mcg::seed_from_u64(3);
         let mut uniform = || (generator.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
         let truth: Vec<[f64; 3]> =
