@@ -7,6 +7,7 @@ use mieux::io::quantity::{Size, parse_duration, parse_fraction};
 use mieux::io::recipe::{RecipeError, parse_setting};
 use mieux::jobs::{Approximation, Compare, Optics, Render, Stop};
 
+use crate::diff::DiffArgs;
 use crate::export::ExportArgs;
 use crate::invert::InvertArgs;
 use crate::mie::MieArgs;
@@ -40,6 +41,11 @@ pub enum Command {
     Render(RenderArgs),
     /// Put the parts of a picture together that were rendered with `--shard`: the same bits as one run
     Merge(MergeArgs),
+    /// Tell whether two rendered pictures differ by more than their noise
+    ///
+    /// The exit code is 0 when they agree, 3 when they differ, 4 when they are more alike than independent pictures can be, and
+    /// 1 or 2 when they cannot be compared.
+    Diff(DiffArgs),
     /// Compute what one particle does to light, or a table of them
     ///
     /// Cross sections, efficiencies and asymmetry, and with `--angles` amplitudes and Mueller matrix, of a sphere, or with

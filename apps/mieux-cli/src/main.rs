@@ -1,6 +1,7 @@
 //! `mieux`: what a material looks like from what it is made of.
 
 mod args;
+mod diff;
 mod export;
 mod failure;
 mod invert;
@@ -112,6 +113,12 @@ fn run(cli: Cli) -> Result<ExitCode, Failure> {
             let job = Merge { parts: args.parts, output: args.output };
             if let Report::Render(report) = run_job(&Job::Merge(job), true)? {
                 show::render(&report, "");
+            }
+        }
+        Command::Diff(args) => {
+            let format = args.format;
+            if let Report::Diff(report) = run_job(&Job::Diff(args.job()), format == Format::Table)? {
+                return Ok(diff::show(&report, format)?);
             }
         }
         Command::Render(args) => {

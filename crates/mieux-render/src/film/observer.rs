@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn bins_hold_the_mean_radiance() {
         let observer = Observer::new((380e-9, 780e-9)).unwrap();
-        let (mut bins, n) = ([0.0; 16], 100_000);
+        let (mut bins, n) = ([0.0; 16], 1_000_000);
         for i in 0..n {
             let wavelengths = observer.wavelengths((f64::from(i) + 0.5) / f64::from(n));
             observer.bin(&wavelengths, &wavelengths.map(|w| w * 1e9), &mut bins);

@@ -27,6 +27,7 @@ use mieux_optics::substance::SubstanceError;
 use mieux_optics::transfer::TransferError;
 use mieux_optics::transfer::inverse::InverseError;
 use mieux_render::detector::slab::SlabWalkError;
+use mieux_render::film::DifferenceError;
 use mieux_render::render::RenderError;
 
 use super::{MergeError, SlabError};
@@ -222,6 +223,34 @@ pub enum JobError {
     /// A picture.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// Pictures of different sizes.
+    #[error(
+        "`{}` has {}x{} pixels, `{}` has {}x{}; only pictures of one size can be compared",
+        first.display(), first_size[0], first_size[1], second.display(), second_size[0], second_size[1]
+    )]
+    PictureSizes {
+        /// The first.
+        first: PathBuf,
+        /// Its width and height.
+        first_size: [u32; 2],
+        /// The second.
+        second: PathBuf,
+        /// Its width and height.
+        second_size: [u32; 2],
+    },
+    /// A picture without the layers that are needed.
+    #[error("`{}` has no channels {wanted}; it has {found}", path.display())]
+    NoLayer {
+        /// The file.
+        path: PathBuf,
+        /// The channels that are needed.
+        wanted: String,
+        /// Some that are there.
+        found: String,
+    },
+    /// Pictures that cannot be compared.
+    #[error(transparent)]
+    Difference(#[from] DifferenceError),
     /// A plot.
     #[error(transparent)]
     Plot(#[from] PlotError),
@@ -271,6 +300,9 @@ impl JobError {
             }
             Self::Spheres { .. } => {
                 Some("give `--corrected` if the reflectances and transmittances in it are those of the sample".into())
+            }
+            Self::NoLayer { wanted, .. } if wanted.starts_with("variance") => {
+                Some("pictures are compared by their noise: render them with `mieux render`, which writes it".into())
             }
             Self::Checkpoint(CheckpointError::Read { .. }) => Some("leave out `--resume` to begin anew".into()),
             Self::Checkpoint(_) => Some("leave out `--resume` to begin anew, or give another folder with `-o`".into()),

@@ -3,6 +3,7 @@
 //! The command line, a TOML or JSON file, and whatever comes later build the same values and run them the same way.
 
 mod compare;
+mod diff;
 mod error;
 mod event;
 mod export;
@@ -26,6 +27,7 @@ mod wavelengths;
 use serde::{Deserialize, Serialize};
 
 pub use compare::{Compare, CompareReport, CompareSheet, Difference, Side};
+pub use diff::{Diff, DiffReport};
 pub use error::JobError;
 pub use event::{Context, Event, Stage};
 pub use export::{Export, ExportReport, ExportSheet};
@@ -59,6 +61,8 @@ pub enum Job {
     Render(Render),
     /// A picture from its parts.
     Merge(Merge),
+    /// Two pictures and their noise.
+    Diff(Diff),
     /// What a size distribution amounts to.
     Sizes(Sizes),
     /// Light and one particle.
@@ -94,6 +98,8 @@ pub enum Report {
     Compare(Box<CompareReport>),
     /// Of [`Job::Render`] and [`Job::Merge`].
     Render(Box<RenderReport>),
+    /// Of [`Job::Diff`].
+    Diff(Box<DiffReport>),
     /// Of [`Job::Sizes`].
     Sizes(Box<SizesReport>),
     /// Of [`Job::Mie`].
@@ -131,6 +137,7 @@ impl Job {
             Self::Compare(job) => job.run(context).map(|report| Report::Compare(Box::new(report))),
             Self::Render(job) => job.run(context).map(|report| Report::Render(Box::new(report))),
             Self::Merge(job) => job.run(context).map(|report| Report::Render(Box::new(report))),
+            Self::Diff(job) => job.run(context).map(|report| Report::Diff(Box::new(report))),
             Self::Sizes(job) => job.run(context).map(|report| Report::Sizes(Box::new(report))),
             Self::Mie(job) => job.run(context).map(|report| Report::Mie(Box::new(report))),
             Self::MieBatch(job) => job.run(context).map(|report| Report::MieBatch(Box::new(report))),
