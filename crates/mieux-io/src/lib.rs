@@ -23,9 +23,9 @@ pub mod rxt;
 pub mod scene;
 pub mod slab_file;
 pub mod table;
-pub mod tev;
 #[cfg(test)]
 mod testing;
+pub mod tev;
 mod text_error;
 
 pub use text_error::{TextError, nearest_names};

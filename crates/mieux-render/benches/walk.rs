@@ -17,7 +17,8 @@ use mieux_render::scene::{Body, Prepared, Scene};
 /// A ball of whole milk of 3 cm radius, seen from its middle and from outside.
 fn ball(eye: [f64; 3]) -> Option<Prepared> {
     let milk = Medium::grey(57_837.0, 6.08, 0.954, 1.347)?;
-    let body = Body { name: "milk".into(), mesh: sphere([0.0; 3], 0.03, 64).ok()?, medium: milk, priority: 0, roughness: 0.0 };
+    let body =
+        Body { name: "milk".into(), mesh: sphere([0.0; 3], 0.03, 64).ok()?, medium: milk, priority: 0, roughness: 0.0 };
     let camera = Pinhole::new(eye, [0.001; 3], [0.0, 0.0, 1.0], 15.0, [64, 64]).ok()?;
     let environment = Environment::white_sky();
     let range = (380e-9, 775e-9);

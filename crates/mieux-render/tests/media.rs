@@ -26,7 +26,13 @@ fn dark() -> Environment {
 }
 
 fn part(sigma_s: f64, sigma_a: f64, g: f64) -> Part {
-    Part { sigma_s: of(sigma_s), sigma_a: of(sigma_a), phase: Phase::HenyeyGreenstein(of(g)), emission: None, density: None }
+    Part {
+        sigma_s: of(sigma_s),
+        sigma_a: of(sigma_a),
+        phase: Phase::HenyeyGreenstein(of(g)),
+        emission: None,
+        density: None,
+    }
 }
 
 /// A grid over the cube of half side 1, its density a function of the place.
@@ -40,8 +46,7 @@ fn grid(size: [usize; 3], density: impl Fn([f64; 3]) -> f64) -> Arc<Grid> {
             }
         }
     }
-    let placement =
-        Placement { corner: [-1.0; 3], edges: [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]] };
+    let placement = Placement { corner: [-1.0; 3], edges: [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]] };
     Arc::new(Grid::new(size, &values, Filter::Trilinear, &placement).unwrap())
 }
 
@@ -92,10 +97,8 @@ fn chromatic(sigma: f64, density: Option<Arc<Grid>>) -> Medium {
 #[test]
 fn lossless_fogs_and_finishes_are_invisible() {
     let lumpy = grid([24, 20, 17], |p| (1.0 + (9.0 * p[0]).sin() * (7.0 * p[1] + 3.0 * p[2]).cos()) * 2.0);
-    let cloud = Medium {
-        n: of(1.0),
-        parts: vec![part(0.5, 0.0, 0.7), Part { density: Some(lumpy), ..part(2.0, 0.0, 0.8) }],
-    };
+    let cloud =
+        Medium { n: of(1.0), parts: vec![part(0.5, 0.0, 0.7), Part { density: Some(lumpy), ..part(2.0, 0.0, 0.8) }] };
     let blend = Medium { n: of(1.0), parts: vec![part(1.0, 0.0, 0.9), part(2.0, 0.0, -0.3)] };
     let water = Medium::grey(3.0, 0.0, 0.9, 1.33).unwrap();
     let floor = Surface::diffuse("floor", disk([0.0, 0.0, -0.3], 3.0, 64).unwrap(), of(1.0));
@@ -115,7 +118,8 @@ fn lossless_fogs_and_finishes_are_invisible() {
     // A small patch of sky looked at by itself, so that looking for light is at work everywhere.
     let mut sun = vec![1.0f32; 64 * 32];
     sun[10 * 64 + 20] = 1.0;
-    let image = SkyImage::new([64, 32], vec![of(1.0)], sun, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).unwrap();
+    let image =
+        SkyImage::new([64, 32], vec![of(1.0)], sun, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).unwrap();
     let sky = Environment { spectrum: of(1.0), pattern: Pattern::Image(Arc::new(image)) };
     for (what, bodies, surfaces) in [
         ("fog", vec![ball(blend.clone())], vec![]),
@@ -204,7 +208,11 @@ fn single_scattering_of_a_point_light_is_its_closed_form() {
     let rayleigh = PhaseFunction::from(Rayleigh);
     let medium = |density: Option<Arc<Grid>>| Medium {
         n: of(1.0),
-        parts: vec![Part { phase: Phase::Function(Arc::new(rayleigh.clone())), density, ..part(sigma_s, sigma_a, 0.0) }],
+        parts: vec![Part {
+            phase: Phase::Function(Arc::new(rayleigh.clone())),
+            density,
+            ..part(sigma_s, sigma_a, 0.0)
+        }],
     };
     let cube = cuboid([-1.0; 3], [1.0; 3]).unwrap();
     let ray = Ray { origin: DVec3::new(-0.3, -4.0, -0.1), direction: DVec3::Y };
@@ -287,8 +295,7 @@ fn transport_is_reciprocal() {
     let (a, b) = ([-0.65, 0.1, 0.35], [-1.2, -0.8, 0.6]);
     let fluence = |lamp: [f64; 3], at: [f64; 3]| {
         let mut scene = eye(vec![fog.clone()], vec![plate.clone(), wall.clone()]);
-        scene.camera =
-            mieux_render::camera::Pinhole::new(at, [0.0, 5.0, 0.0], [0.0, 0.0, 1.0], 30.0, [8, 8]).unwrap();
+        scene.camera = mieux_render::camera::Pinhole::new(at, [0.0, 5.0, 0.0], [0.0, 0.0, 1.0], 30.0, [8, 8]).unwrap();
         scene.environment = dark();
         scene.lamps = vec![Lamp::Point { position: lamp, intensity: of(1.0) }];
         seen(&scene, 400_000, |sampler| {

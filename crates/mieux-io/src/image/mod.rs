@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 pub use openexr::{
     ExrImage, Film, MAX_CHANNELS, read_exr, spectral_channel, write_exr, write_exr_channels, write_exr_spectral,
 };
+pub use radiance::read_radiance;
 pub use srgb::{write_png_srgb8, write_png_toned};
 pub use tone::Tone;
-pub use radiance::read_radiance;
 
 use crate::output::OutputError;
 use crate::quantity::{QuantityError, Size};

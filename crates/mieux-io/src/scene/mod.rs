@@ -47,8 +47,10 @@ pub struct SceneFile {
 pub enum Subject {
     /// A material by its recipe.
     Material(Box<Recipe>),
-    /// A scene, with its name.
+    /// Glasses in a row, with the name of their scene.
     Scene(String, SceneFile),
+    /// A scene with a camera of its own, with its name.
+    Whole(String, Box<Description>),
 }
 
 impl Subject {
@@ -62,6 +64,9 @@ impl Subject {
         }
         if let Some(path) = as_file(name_or_path) {
             let text = read_text(path)?;
+            if is_whole_scene(&text) {
+                return Ok(Self::Whole(stem(path), Box::new(parse_whole_scene(path, &text)?)));
+            }
             if SceneFile::is_scene(&text) {
                 let scene = SceneFile::parse(&stem(path), name_or_path, &text)?;
                 return Ok(Self::Scene(stem(path), scene.beside(path)));

@@ -39,18 +39,13 @@ pub fn primaries() -> [Sampled; 3] {
     let parts: [Vec<f64>; 3] = {
         let step = |w: f64, at: f64| 1.0 / (1.0 + (-(w - at) / 11e-9).exp());
         let of = |f: &dyn Fn(f64) -> f64| grid().iter().map(f).collect::<Vec<f64>>();
-        [
-            of(&|w| step(w, 588e-9)),
-            of(&|w| step(w, 492e-9) - step(w, 588e-9)),
-            of(&|w| 1.0 - step(w, 492e-9)),
-        ]
+        [of(&|w| step(w, 588e-9)), of(&|w| step(w, 492e-9) - step(w, 588e-9)), of(&|w| 1.0 - step(w, 492e-9))]
     };
     let colours = [0, 1, 2].map(|i: usize| daylight().linear_srgb(&parts[i]));
     let inverse = invert(&colours);
     [0, 1, 2].map(|channel: usize| {
-        let values = (0..grid().len())
-            .map(|w| (0..3).map(|part| inverse[channel][part] * parts[part][w]).sum())
-            .collect();
+        let values =
+            (0..grid().len()).map(|w| (0..3).map(|part| inverse[channel][part] * parts[part][w]).sum()).collect();
         Sampled::new(grid().clone(), values).unwrap_or_else(|_| super::d65().clone())
     })
 }

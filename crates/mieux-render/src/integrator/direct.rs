@@ -56,19 +56,15 @@ pub(super) type Turned = Option<(Lanes, Lanes, Interior)>;
 impl Path<'_> {
     /// Looks for light from a place, `count` times, and remembers it. A single draw, turned: the samples stratify the choice
     /// and the place of the light between them.
-    pub(super) fn look(
-        &mut self,
-        count: u32,
-        surroundings: bool,
-        [u, v]: [f64; 2],
-        turned: impl Fn(DVec3) -> Turned,
-    ) {
+    pub(super) fn look(&mut self, count: u32, surroundings: bool, [u, v]: [f64; 2], turned: impl Fn(DVec3) -> Turned) {
         let place = self.ray.origin;
         let view = View::point(place, surroundings, count);
         let choice = if self.scene.lights().has_places() { self.sampler.uniform() } else { 0.0 };
         for k in 0..count {
             let turn = f64::from(k) / f64::from(count);
-            let Some((light, chance)) = self.scene.lights().choose(&view.from, (choice + turn).fract()) else { continue };
+            let Some((light, chance)) = self.scene.lights().choose(&view.from, (choice + turn).fract()) else {
+                continue;
+            };
             let xi = [(u + turn).fract(), (v + turn).fract()];
             let Some(sample) = self.scene.lights().sample(light, place, xi, &self.wavelengths, &self.sky) else {
                 continue;

@@ -73,14 +73,7 @@ impl Path<'_> {
     }
 
     /// A metal, smooth or rough.
-    fn metal(
-        &mut self,
-        facet: DVec3,
-        smooth: DVec3,
-        n: &Lanes,
-        k: &Lanes,
-        roughness: Option<Microfacets>,
-    ) -> bool {
+    fn metal(&mut self, facet: DVec3, smooth: DVec3, n: &Lanes, k: &Lanes, roughness: Option<Microfacets>) -> bool {
         let view = -self.ray.direction;
         let normal = if view.dot(smooth) > 0.0 { smooth } else { facet };
         let index = self.medium.n;
@@ -92,8 +85,7 @@ impl Path<'_> {
             self.throughput.forget();
             self.throughput.absorb(&reflectance(view.dot(normal)));
             let mirrored = reflect(self.ray.direction, normal);
-            self.ray.direction =
-                if mirrored.dot(facet) > 0.0 { mirrored } else { reflect(self.ray.direction, facet) };
+            self.ray.direction = if mirrored.dot(facet) > 0.0 { mirrored } else { reflect(self.ray.direction, facet) };
             return true;
         };
         self.in_a_row = 0;

@@ -106,7 +106,9 @@ impl Path<'_> {
         let Some((light, chance)) = lights.choose(&from, choice) else { return };
         let t = lights.place_along(light, segment, self.sampler.pair());
         let place = segment.origin + segment.direction * t;
-        let Some(sample) = lights.sample(light, place, self.sampler.pair(), &self.wavelengths, &self.sky) else { return };
+        let Some(sample) = lights.sample(light, place, self.sampler.pair(), &self.wavelengths, &self.sky) else {
+            return;
+        };
         let values = matter.scattering(densities, segment.direction.dot(sample.direction));
         let left = segment.sigma_t.map(|s| (-s * t).exp());
         let by_chance = |k: usize| {

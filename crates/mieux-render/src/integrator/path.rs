@@ -170,7 +170,8 @@ impl Path<'_> {
             return;
         }
         let light = self.scene.lights().surroundings(self.ray.direction, &self.sky);
-        let looked = self.view.map_or([0.0; LANES], |view| view.density_of_surroundings(self.scene, self.ray.direction));
+        let looked =
+            self.view.map_or([0.0; LANES], |view| view.density_of_surroundings(self.scene, self.ray.direction));
         self.gather(&light, &looked);
     }
 

@@ -3,10 +3,10 @@
 
 use glam::DVec3;
 
+use super::Lanes;
 use super::interface::Interface;
 use super::path::Path;
 use super::turbid::MediumLanes;
-use super::Lanes;
 use crate::surface::{Interior, Microfacets};
 
 /// A rough interface as one path meets it.

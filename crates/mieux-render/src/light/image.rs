@@ -42,8 +42,17 @@ impl SkyImage {
         let refuse = |reason: String| Err(LightError::Image { reason });
         let [width, height] = size;
         let count = width.checked_mul(height).and_then(|n| n.checked_mul(channels.len()));
-        if width == 0 || height == 0 || channels.is_empty() || channels.len() > MOST_CHANNELS || count != Some(data.len()) {
-            return refuse(format!("{width} x {height} pixels of {} channels with {} values", channels.len(), data.len()));
+        if width == 0
+            || height == 0
+            || channels.is_empty()
+            || channels.len() > MOST_CHANNELS
+            || count != Some(data.len())
+        {
+            return refuse(format!(
+                "{width} x {height} pixels of {} channels with {} values",
+                channels.len(),
+                data.len()
+            ));
         }
         if let Some(i) = data.iter().position(|v| !(*v >= 0.0 && v.is_finite())) {
             let pixel = i / channels.len();
@@ -54,8 +63,14 @@ impl SkyImage {
         if off.to_cols_array().iter().any(|v| !(v.abs() < 1e-6)) {
             return refuse(format!("its matrix {to_scene:?} is no rotation"));
         }
-        let mut image =
-            Self { size, channels, data, to_own: matrix.transpose(), rows: vec![], pixels: Vec::with_capacity(width * height) };
+        let mut image = Self {
+            size,
+            channels,
+            data,
+            to_own: matrix.transpose(),
+            rows: vec![],
+            pixels: Vec::with_capacity(width * height),
+        };
         let mut sum = 0.0;
         for y in 0..height {
             let sine = (PI * (y as f64 + 0.5) / height as f64).sin();
@@ -111,7 +126,8 @@ impl SkyImage {
         let (x, y) = (u * width as f64 - 0.5, (v * height as f64 - 0.5).clamp(0.0, (height - 1) as f64));
         let (left, top) = (x.floor(), y.floor());
         let (tx, ty) = (x - left, y - top);
-        let columns = [(left as i64).rem_euclid(width as i64) as usize, (left as i64 + 1).rem_euclid(width as i64) as usize];
+        let columns =
+            [(left as i64).rem_euclid(width as i64) as usize, (left as i64 + 1).rem_euclid(width as i64) as usize];
         let rows = [top as usize, (top as usize + 1).min(height - 1)];
         values[..n].fill(0.0);
         for (row, wy) in rows.into_iter().zip([1.0 - ty, ty]) {

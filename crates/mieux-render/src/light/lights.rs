@@ -187,10 +187,18 @@ impl Lights {
             (Some(source), Viewpoint::Point { place, .. }) => source.fluence(*place),
             (Some(source), Viewpoint::Segment(segment)) => source.along(segment),
             (None, Viewpoint::Point { surroundings, .. }) => {
-                if *surroundings { 4.0 * PI * self.mean } else { 0.0 }
+                if *surroundings {
+                    4.0 * PI * self.mean
+                } else {
+                    0.0
+                }
             }
             (None, Viewpoint::Segment(segment)) => {
-                if self.peaked { 4.0 * PI * self.mean * segment.reach() } else { 0.0 }
+                if self.peaked {
+                    4.0 * PI * self.mean * segment.reach()
+                } else {
+                    0.0
+                }
             }
         }
     }
@@ -316,8 +324,7 @@ impl Source {
     }
 
     fn emitter(emitter: Emitter<'_>) -> Self {
-        let triangles: Vec<[DVec3; 3]> =
-            (0..emitter.mesh.triangles().len()).map(|t| emitter.mesh.corners(t)).collect();
+        let triangles: Vec<[DVec3; 3]> = (0..emitter.mesh.triangles().len()).map(|t| emitter.mesh.corners(t)).collect();
         let mut area = 0.0;
         let mut chances: Vec<f64> = triangles
             .iter()
@@ -362,13 +369,9 @@ impl Source {
     fn sample(&self, place: DVec3, xi: [f64; 2], wavelengths: &Lanes) -> Option<Sample> {
         let radiance = self.spectrum.lanes(wavelengths);
         match &self.shape {
-            Shape::Lamp(Place::Far { direction }) => Some(Sample {
-                direction: -*direction,
-                distance: f64::INFINITY,
-                radiance,
-                density: 1.0,
-                point: true,
-            }),
+            Shape::Lamp(Place::Far { direction }) => {
+                Some(Sample { direction: -*direction, distance: f64::INFINITY, radiance, density: 1.0, point: true })
+            }
             Shape::Lamp(near @ Place::Near { position, .. }) => {
                 let towards = *position - place;
                 let squared = towards.length_squared();

@@ -54,7 +54,9 @@ pub enum LightError {
         position: [f64; 3],
     },
     /// Angles of a spot light.
-    #[error("a spot light with half angles of {cutoff} degrees for its cone and {beam_width} for its beam; the cone lies above 0 and up to 180 degrees, the beam within it")]
+    #[error(
+        "a spot light with half angles of {cutoff} degrees for its cone and {beam_width} for its beam; the cone lies above 0 and up to 180 degrees, the beam within it"
+    )]
     Cone {
         /// Of the cone, degrees.
         cutoff: f64,

@@ -279,9 +279,8 @@ mod tests {
 
     fn ramp() -> Grid {
         let size = [19, 9, 12];
-        let values: Vec<f32> = (0..size[0] * size[1] * size[2])
-            .map(|i| if i % size[0] < 8 { 0.0 } else { (i % 7) as f32 })
-            .collect();
+        let values: Vec<f32> =
+            (0..size[0] * size[1] * size[2]).map(|i| if i % size[0] < 8 { 0.0 } else { (i % 7) as f32 }).collect();
         let placement =
             Placement { corner: [1.0, 2.0, 3.0], edges: [[0.0, 2.0, 0.0], [1.5, 0.0, 0.3], [0.0, 0.0, 1.0]] };
         Grid::new(size, &values, Filter::Trilinear, &placement).unwrap()

@@ -6,8 +6,8 @@ mod milk_glass;
 mod prepared;
 
 pub(crate) use diffusing::Dipoles;
-pub use milk_glass::{GlassScene, glasses, studio};
 pub(crate) use finish::FinishLanes;
+pub use milk_glass::{GlassScene, glasses, studio};
 pub(crate) use prepared::Way;
 pub use prepared::{Owner, Prepared};
 

@@ -90,7 +90,8 @@ mod tests {
                         let (sin, cos) = (TAU * xi[1]).sin_cos();
                         let facet = normal * cosine + (a * cos + b * sin) * (1.0 - cosine * cosine).sqrt();
                         let drawn = facets.distribution(cosine) * cosine;
-                        let weight = facets.density(normal, view, facet) / drawn / f64::from(n * n) * 2.0 * (1.0 - xi[0]);
+                        let weight =
+                            facets.density(normal, view, facet) / drawn / f64::from(n * n) * 2.0 * (1.0 - xi[0]);
                         total += weight;
                         integral += weight * cosine * cosine;
                     }

@@ -50,7 +50,8 @@ impl Wanted {
         if is_mitsuba(path) {
             let values: Vec<(String, String)> = set.iter().map(|(k, v)| (k.clone(), v.to_string())).collect();
             let description = read_mitsuba(path, &values).map_err(RecipeError::from)?;
-            return Self::described(description, path);
+            let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
+            return Self::described(name, description, &BTreeMap::new());
         }
         match Subject::find(subject)? {
             Subject::Material(recipe) => {
@@ -62,18 +63,30 @@ impl Wanted {
                 let materials = materials_of(&name, &scene, set)?;
                 Ok(Self { name, title: scene.title, size: scene.size, materials, set: Set::Glasses })
             }
+            Subject::Whole(name, description) => Self::described(name, *description, set),
         }
     }
 
-    fn described(description: Description, path: &Path) -> Result<Self, JobError> {
+    /// Inputs that are set count for every material that has them.
+    fn described(name: String, description: Description, set: &BTreeMap<String, f64>) -> Result<Self, JobError> {
         let mut materials = Vec::with_capacity(description.materials.len());
+        let mut used = Vec::new();
         for choice in &description.materials {
-            let name = choice.recipe.as_deref();
-            let name = name.ok_or_else(|| staging::fault(&choice.place, "no material was asked for"))?;
-            materials.push(Recipe::find(name)?.material(&choice.set.iter().cloned().collect())?);
+            let recipe = choice.recipe.as_deref();
+            let recipe = recipe.ok_or_else(|| staging::fault(&choice.place, "no material was asked for"))?;
+            let recipe = Recipe::find(recipe)?;
+            let has = |input: &String| recipe.inputs().iter().any(|(i, _)| i.name == *input);
+            let mut inputs: BTreeMap<String, f64> = choice.set.iter().cloned().collect();
+            for (input, value) in set.iter().filter(|(input, _)| has(input)) {
+                inputs.insert(input.clone(), *value);
+                used.push(input.clone());
+            }
+            materials.push(recipe.material(&inputs)?);
+        }
+        if let Some(input) = set.keys().find(|input| !used.contains(input)) {
+            return Err(JobError::NoSuchInput { scene: name, input: input.clone() });
         }
         let [width, height] = description.camera.size;
-        let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
         Ok(Self {
             name,
             title: description.title.clone(),
@@ -100,8 +113,7 @@ impl Wanted {
             Set::Glasses => Ok((build(sheets, size)?, notes)),
             Set::Described(description) => {
                 let known: Vec<Known> = sheets.iter().map(known).collect::<Result<_, _>>()?;
-                let Staged { scene, notes: more } =
-                    staging::stage(description, &known, [size.width(), size.height()])?;
+                let Staged { scene, notes: more } = staging::stage(description, &known, [size.width(), size.height()])?;
                 notes.extend(more);
                 Ok((scene, notes))
             }

@@ -20,11 +20,7 @@ pub(in super::super) struct Known {
 }
 
 /// A medium of the index `n` (its own where that is not given by the surface around it).
-pub(super) fn stage(
-    medium: &Medium,
-    materials: &[Known],
-    n: Option<Sampled>,
-) -> Result<medium::Medium, JobError> {
+pub(super) fn stage(medium: &Medium, materials: &[Known], n: Option<Sampled>) -> Result<medium::Medium, JobError> {
     let place = &medium.place;
     let known = |material: usize| {
         materials.get(material).ok_or_else(|| fault(place, format!("there is no material {material}")))
@@ -35,9 +31,10 @@ pub(super) fn stage(
             made.parts.iter_mut().try_for_each(|part| scale(part, *density))?;
             Ok(medium::Medium { n: n.unwrap_or(made.n), parts: made.parts })
         }
-        MediumKind::Homogeneous(optics) => {
-            Ok(medium::Medium { n: n.map_or_else(|| sampled(&optics.index, Kind::Matter), Ok)?, parts: parts(optics, None, place)? })
-        }
+        MediumKind::Homogeneous(optics) => Ok(medium::Medium {
+            n: n.map_or_else(|| sampled(&optics.index, Kind::Matter), Ok)?,
+            parts: parts(optics, None, place)?,
+        }),
         MediumKind::Grid { optics, density, albedo, emission } => {
             if emission.is_some() {
                 return Err(fault(place, "emission from a grid of its own is not supported; scale `emission` instead"));

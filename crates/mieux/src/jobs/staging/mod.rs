@@ -34,11 +34,7 @@ pub(super) fn fault(place: &Place, reason: impl Into<String>) -> JobError {
 ///
 /// # Errors
 /// [`JobError::Scene`] with the place, or what the renderer says.
-pub(super) fn stage(
-    description: &Description,
-    materials: &[media::Known],
-    size: [u32; 2],
-) -> Result<Staged, JobError> {
+pub(super) fn stage(description: &Description, materials: &[media::Known], size: [u32; 2]) -> Result<Staged, JobError> {
     let mut notes = description.notes.clone();
     let solids = shapes::stage(description, materials, &mut notes)?;
     let (environment, lamps) = lights(&description.lights, &mut notes)?;
@@ -101,10 +97,7 @@ fn lights(lights: &[Light], notes: &mut Vec<String>) -> Result<(Environment, Vec
                 None
             }
             Light::Directional { direction, irradiance } => {
-                lamps.push(Lamp::Directional {
-                    direction: *direction,
-                    irradiance: sampled(irradiance, Kind::Light)?,
-                });
+                lamps.push(Lamp::Directional { direction: *direction, irradiance: sampled(irradiance, Kind::Light)? });
                 None
             }
             Light::Studio => Some(mieux_render::scene::studio().map_err(mieux_render::render::RenderError::from)?),

@@ -82,7 +82,10 @@ fn bodies(mut solids: Vec<Solid<'_>>, description: &Description, materials: &[Kn
         if !solid.mesh.is_closed() {
             return Err(fault(
                 &shape.place,
-                format!("`{}` has an inside, but its surface is not closed: every edge must be shared by two triangles", shape.name),
+                format!(
+                    "`{}` has an inside, but its surface is not closed: every edge must be shared by two triangles",
+                    shape.name
+                ),
             ));
         }
         // Lower numbers win in files.
