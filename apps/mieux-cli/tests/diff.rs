@@ -11,7 +11,7 @@ fn mieux(folder: &Path, words: &[&str]) -> Output {
 }
 
 fn render(folder: &Path, subject: &str, seed: &str, out: &str) {
-    let words = ["render", subject, "--size", "40x36", "--spp", "256", "--seed", seed, "-o", out];
+    let words = ["render", subject, "--size", "40x36", "--spp", "32", "--seed", seed, "-o", out];
     let output = mieux(folder, &words);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
