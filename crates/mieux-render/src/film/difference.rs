@@ -222,7 +222,7 @@ impl Difference {
         let whole = largest(&self.whole.map(f64::abs));
         if whole > few || self.worst().0 > self.allowed() || largest(&self.spread_z) > few {
             Verdict::Differ
-        } else if largest(&self.spread_z) < -few && self.spread < 0.5 {
+        } else if largest(&self.spread_z) < -few && self.spread < 0.2 {
             Verdict::TooAlike
         } else {
             Verdict::Agree
