@@ -27,7 +27,7 @@ const REPLICATES: usize = 16;
 const STANDARD_ERRORS: f64 = 2.131;
 
 /// The seed of drawn sizes; fixed, so that results are.
-const SEED: u64 = 0x6D69_6575_78;
+const SEED: u64 = 0x006D_6965_7578;
 
 impl Scatterer<'_> {
     /// Integrates scattering, absorption, reduced scattering, and `Im S(0)/k^2`, over all sizes; fifth the volume of the particles,
