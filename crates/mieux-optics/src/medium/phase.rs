@@ -65,7 +65,7 @@ impl Medium {
     ///   size and angle average out; what is left of them is some per cent in one direction.
     /// - Where more than a share `tolerance` of the light is scattered by spheres beyond that, those above 1000 are followed by
     ///   rays, refracted and reflected up to thirty times, and what passes them by diffraction, which does not resolve fringes, and errs by
-    ///   some per cent where the function is smooth and by more within degrees of rainbows and of the critical angle.
+    ///   some per cent, by more where there is little light (measured in `docs/large-particles.md`).
     /// - Coated spheres, and packed ones, beyond [`Self::LARGEST_SIZE`] have Henyey and Greenstein's function of the right asymmetry.
     ///
     /// `1 - g` of the table is within half of `tolerance` (relative, 1e-12 to 1) of what the coefficients say, which where
