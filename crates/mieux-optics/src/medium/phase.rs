@@ -65,11 +65,11 @@ impl Medium {
     ///   size and angle average out; what is left of them is some per cent in one direction.
     /// - Where more than a share `tolerance` of the light is scattered by spheres beyond that, those above 1000 are followed by
     ///   rays, refracted and reflected up to thirty times, and what passes them by diffraction, which does not resolve fringes, and errs by
-    ///   some per cent where the function is smooth and by more within degrees of rainbows and of the critical angle.
+    ///   some per cent, by more where there is little light (measured in `docs/large-particles.md`).
     /// - Coated spheres, and packed ones, beyond [`Self::LARGEST_SIZE`] have Henyey and Greenstein's function of the right asymmetry.
     ///
-    /// `1 - g` of the table is within half of `tolerance` (relative, 1e-12 to 1) of what the coefficients say, which for
-    /// the second and third kind is enforced by a factor `exp(c (1 - cos))` close to 1.
+    /// `1 - g` of the table is within half of `tolerance` (relative, 1e-12 to 1) of what the coefficients say, which where
+    /// need be is enforced by a factor `exp(c (1 - cos))` close to 1.
     ///
     /// # Errors
     /// As for [`Self::optics_at`], or [`MediumError::Phase`] when no grid of angles reaches the tolerance.
@@ -146,7 +146,11 @@ impl ScatteringAt {
                 moments.iter().copied().chain(std::iter::repeat(0.0)).take(max_degree + 1).collect()
             }
             Ensemble::Packed { medium, members, .. } => moments::of_packed(medium, members, max_degree)?,
-            Ensemble::Broad(table) => table.legendre_moments(max_degree as u32),
+            Ensemble::Broad(table) => {
+                let moments = table.legendre_moments(max_degree as u32);
+                let whole = moments[0];
+                moments.into_iter().map(|moment| moment / whole).collect()
+            }
             Ensemble::StandIn(function) => {
                 (0..=max_degree).map(|degree| function.asymmetry().powi(degree as i32)).collect()
             }
@@ -162,20 +166,23 @@ impl ScatteringAt {
         match &self.ensemble {
             Ensemble::Nothing => Ok(Isotropic.into()),
             Ensemble::Exact { moments, largest } => {
-                self.on_graded(*largest, tolerance, |grid| Ok(moments::values(moments, grid.as_slice())))
+                let own = moments.get(1).map_or(1.0, |mean| 1.0 - mean);
+                self.on_graded(*largest, own, tolerance, |grid| Ok(moments::values(moments, grid.as_slice())))
             }
             Ensemble::Packed { medium, members, largest } => {
-                self.on_graded(*largest, tolerance, |grid| moments::packed_values(medium, members, grid))
+                let own = 1.0 - moments::of_packed(medium, members, 1)?[1];
+                self.on_graded(*largest, own, tolerance, |grid| moments::packed_values(medium, members, grid))
             }
             Ensemble::Broad(table) => Ok(table.clone().into()),
             Ensemble::StandIn(function) => Ok((*function).into()),
         }
     }
 
-    /// A table of values on a grid as fine as `1 - g` wants.
+    /// A table of values on a grid as fine as their own `1 - g` wants.
     fn on_graded(
         &self,
         largest: f64,
+        own: f64,
         tolerance: f64,
         values: impl Fn(&AngleGrid) -> Result<Vec<f64>, MediumError>,
     ) -> Result<PhaseFunction, MediumError> {
@@ -185,10 +192,13 @@ impl ScatteringAt {
         let mut reached = f64::INFINITY;
         for _ in 0..ATTEMPTS {
             let grid = AngleGrid::graded(largest, bins_per_period)?;
-            let table = Tabulated::new(grid.as_slice().to_vec(), values(&grid)?)?;
-            reached = (table.one_minus_asymmetry() / self.lack - 1.0).abs();
+            let values = values(&grid)?;
+            let table = Tabulated::new(grid.as_slice().to_vec(), values.clone())?;
+            reached = (table.one_minus_asymmetry() / own - 1.0).abs();
             if reached <= wanted {
-                return Ok(table.into());
+                // The coefficients know more of resonances than the spheres that the function is the mean of.
+                let right = (table.one_minus_asymmetry() / self.lack - 1.0).abs() <= wanted;
+                return Ok(if right { table } else { broad::tilted(&grid, &values, self.lack)? }.into());
             }
             // The error falls with the square of the width of a bin.
             bins_per_period *= (1.2 * (reached / wanted).sqrt()).clamp(1.5, 8.0);

@@ -117,7 +117,7 @@ fn at_angles(shares: &[f64], grid: &AngleGrid) -> Vec<f64> {
 }
 
 /// The table of values times `exp(c (1 - cos))`, with the `c` that makes `1 - g` what it is to be.
-fn tilted(grid: &AngleGrid, values: &[f64], lack: f64) -> Result<Tabulated, PhaseError> {
+pub(super) fn tilted(grid: &AngleGrid, values: &[f64], lack: f64) -> Result<Tabulated, PhaseError> {
     let with = |c: f64| {
         let factor = |theta: &f64| (c * 2.0 * (0.5 * theta).sin().powi(2)).exp();
         let tilted = values.iter().zip(grid.as_slice()).map(|(value, theta)| value * factor(theta)).collect();
@@ -135,7 +135,7 @@ fn tilted(grid: &AngleGrid, values: &[f64], lack: f64) -> Result<Tabulated, Phas
         let found = error(&table);
         let slope = (found - error_before) / (c - before);
         (before, error_before) = (c, found);
-        if found.abs() < 1e-12 || !(slope > 0.0) {
+        if found.abs() < 1e-12 || slope.is_nan() || slope <= 0.0 {
             break;
         }
         c = (c - found / slope).clamp(c - 5.0, c + 5.0);

@@ -193,8 +193,8 @@ const DEGREES: [f64; 17] =
 /// water, water in air. What is left is light at the rim (1 to 5 degrees, and all wide angles of the weakest contrast).
 #[test]
 fn rays_are_right_where_waves_can_tell() {
-    let cases = [(0.763, 0.0, 0.02), (1.023, 0.0, 0.04), (1.05, 0.0, 0.04), (1.12, 3e-4, 0.02), (1.33, 0.0, 0.02)];
-    for (re, im, bound) in cases {
+    let cases = [(0.763, 0.0), (1.023, 0.0), (1.05, 0.0), (1.12, 3e-4), (1.33, 0.0)];
+    for (re, im) in cases {
         let medium = powder(Complex64::new(re, im), [1000.0, 2400.0]);
         let found = medium.integrated_at(GREEN, 1e-3).unwrap();
         let Members { mut members, road, largest } = medium.members(GREEN, 1e-3, &found.panels).unwrap();
@@ -205,13 +205,9 @@ fn rays_are_right_where_waves_can_tell() {
         assert!((rays.one_minus_asymmetry() / found.lack - 1.0).abs() < 1e-6);
         let (exact, rays) = (shares(&exact, &DEGREES), shares(&rays, &DEGREES));
         let elsewhere = 0.5 * exact.iter().zip(&rays).map(|(e, r)| (e - r).abs()).sum::<f64>();
-        println!("{re} {elsewhere}");
-        for ((exact, rays), angle) in exact.iter().zip(&rays).zip(&DEGREES[1..]) {
-            println!("{angle} {exact:.5e} {rays:.5e} {:.4}", rays / exact - 1.0);
-        }
-        assert!(elsewhere < bound, "{re}: {elsewhere}");
+        assert!(elsewhere < 6e-3, "{re}: {elsewhere}");
         for ((exact, rays), angle) in exact.iter().zip(&rays).zip(&DEGREES[1..]).filter(|((e, _), _)| **e > 0.02) {
-            assert!((rays / exact - 1.0).abs() < 0.12, "{re}, up to {angle} degrees: {exact} {rays}");
+            assert!((rays / exact - 1.0).abs() < 0.06, "{re}, up to {angle} degrees: {exact} {rays}");
         }
     }
 }
@@ -231,76 +227,9 @@ fn sizes_spread_wide_are_enough() {
         .map(|parts| parts.iter().map(|p| p.iter().copied().flat_map(thirds).collect()).collect())
         .collect::<Vec<_>>();
     let members = medium.members(GREEN, 1e-3, &finer).unwrap();
-    println!("{} members", members.members.len());
     let other = broad::table(&medium, GREEN, &members.members, members.largest, found.lack).unwrap();
     for ((a, b), angle) in shares(&table, &DEGREES).iter().zip(shares(&other, &DEGREES)).zip(&DEGREES[1..]) {
-        println!("{angle} {a:.5e} {b:.5e} {:.4}", a / b - 1.0);
-        assert!((a / b - 1.0).abs() < 0.05, "up to {angle} degrees: {a} {b}");
-    }
-}
-
-/// TEMPORARY
-#[test]
-fn zz_processor_time() {
-    let seconds = || {
-        let t = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-        t.tv_sec as f64 + 1e-9 * t.tv_nsec as f64
-    };
-    let gamma = |r, v| SizeDistribution::Gamma(crate::particle::Gamma::new(r, v).unwrap());
-    let sea = || {
-        let sizes = SizeDistribution::PowerLaw(PowerLaw::new(3.4, 1e-8, 1e-4).unwrap());
-        Medium::new(
-            Substance::Constant(Complex64::new(1.34, 1e-9)),
-            vec![Inclusion::new("m", Substance::Constant(Complex64::new(1.58, 4e-4)), sizes, 2e-6)],
-        )
-        .unwrap()
-    };
-    let ice = || {
-        let sizes = SizeDistribution::PowerLaw(PowerLaw::new(1.24, 1e-4, 2e-3).unwrap());
-        Medium::new(
-            Substance::Constant(Complex64::new(1.31, 1e-9)),
-            vec![Inclusion::new("m", Substance::Constant(Complex64::new(1.0, 0.0)), sizes, 6e-3)],
-        )
-        .unwrap()
-    };
-    for (name, medium) in [
-        ("cloud", droplets(gamma(6e-6, 0.15))),
-        ("fog", droplets(gamma(8e-6, 0.2))),
-        ("milk", milk(3.5, 3.4)),
-        ("sea", sea()),
-        ("ice", ice()),
-    ] {
-        let start = seconds();
-        let optics = medium.optics_at(GREEN, 1e-3).unwrap();
-        let first = seconds();
-        let at = medium.scattering_at(GREEN, 1e-3).unwrap();
-        let second = seconds();
-        let (moments, phase) = (at.legendre_moments(64).unwrap(), at.phase_function(1e-3).unwrap());
-        let third = seconds();
-        println!(
-            "{name}: coefficients {:.3} s, all {:.3} s + {:.3} s; g {:.6} {:.6} {:.6}, {:?}",
-            first - start,
-            second - first,
-            third - second,
-            optics.asymmetry,
-            moments[1],
-            phase.asymmetry(),
-            optics.relative_error
-        );
-    }
-}
-
-/// What is too large for the series has a table too, of the right asymmetry, and its moments.
-#[test]
-fn the_largest_keep_their_asymmetry() {
-    for diameter in [0.5e-3, 0.1] {
-        let medium = droplet(diameter);
-        let at = medium.scattering_at(GREEN, 1e-4).unwrap();
-        let lack = 1.0 - at.optics().asymmetry;
-        let PhaseFunction::Tabulated(table) = at.phase_function(1e-4).unwrap() else { panic!() };
-        assert!((table.one_minus_asymmetry() / lack - 1.0).abs() < 1e-4);
-        let moments = at.legendre_moments(3).unwrap();
-        assert!(((1.0 - moments[1]) / lack - 1.0).abs() < 1e-4 && moments[0] == 1.0);
+        assert!((a / b - 1.0).abs() < 2e-3, "up to {angle} degrees: {a} {b}");
     }
 }
 
