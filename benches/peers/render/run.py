@@ -50,13 +50,13 @@ def mieux(program, scene, values, spp, runs):
         sets = [word for k, v in values.items() for word in ("--set", f"{k}={v}")]
         path = HERE / "scenes" / f"{scene}.xml"
         start = seconds(resource.RUSAGE_CHILDREN)
-        command = [program, "render", str(path), *sets, "--spp", "1", "--quiet", "-o", folder]
+        command = [program, "render", str(path), *sets, "--spp", "1", "-o", folder]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         # Reading the scene and writing the pictures is not what is compared.
         fixed = seconds(resource.RUSAGE_CHILDREN) - start
         for run in range(runs):
             start = seconds(resource.RUSAGE_CHILDREN)
-            command = [program, "render", str(path), *sets, "--spp", str(spp), "--seed", str(run + 1), "--quiet", "-o", folder]
+            command = [program, "render", str(path), *sets, "--spp", str(spp), "--seed", str(run + 1), "-o", folder]
             subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
             spent.append(seconds(resource.RUSAGE_CHILDREN) - start - fixed * (1 - 1 / spp))
             image = mi.Bitmap(str(Path(folder) / "picture.exr"))

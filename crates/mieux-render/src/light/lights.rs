@@ -103,7 +103,12 @@ impl Lights {
         let dense = |spectrum| Dense::new("radiance", spectrum, range, rule, valid);
         let spectrum = dense(&environment.spectrum)?;
         let channels = match &environment.pattern {
-            Pattern::Image(image) => image.channels().iter().map(dense).collect::<Result<_, _>>()?,
+            // Primaries of colours may dip below nothing; what they add up to is cut there.
+            Pattern::Image(image) => image
+                .channels()
+                .iter()
+                .map(|channel| Dense::new("radiance", channel, range, "must be finite", f64::is_finite))
+                .collect::<Result<_, _>>()?,
             _ => Vec::new(),
         };
         let mut sources = Vec::with_capacity(lamps.len() + emitters.len());
@@ -162,7 +167,7 @@ impl Lights {
                 let mut values = [0.0; MOST_CHANNELS];
                 let count = image.values(direction, &mut values);
                 let sum = |k: usize| values[..count].iter().zip(&sky.channels).map(|(v, c)| v * c[k]).sum::<f64>();
-                std::array::from_fn(|k| sky.spectrum[k] * sum(k))
+                std::array::from_fn(|k| sky.spectrum[k] * sum(k).max(0.0))
             }
             pattern => {
                 let value = pattern.value(direction);
