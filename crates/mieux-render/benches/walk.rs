@@ -22,7 +22,15 @@ fn ball(eye: [f64; 3]) -> Option<Prepared> {
     let camera = Pinhole::new(eye, [0.001; 3], [0.0, 0.0, 1.0], 15.0, [64, 64]).ok()?;
     let environment = Environment::white_sky();
     let range = (380e-9, 775e-9);
-    Prepared::new(&Scene { camera, environment, bodies: vec![body], surfaces: vec![], wavelength_range: range }).ok()
+    Prepared::new(&Scene {
+        camera,
+        environment,
+        lamps: vec![],
+        bodies: vec![body],
+        surfaces: vec![],
+        wavelength_range: range,
+    })
+    .ok()
 }
 
 /// Paths `first..first + n`; returns how many collisions they had.

@@ -113,12 +113,12 @@ fn milk() -> Prepared {
         let grid = WavelengthGrid::new(vec![300e-9, 450e-9, 550e-9, 650e-9, 900e-9]).unwrap();
         Sampled::new(grid, vec![blue, blue, green, red, red]).unwrap()
     };
-    let milk = Medium {
-        sigma_s: spectrum([4_000.0, 1_500.0, 800.0]),
-        sigma_a: spectrum([20.0, 2.0, 1.0]),
-        g: spectrum([0.6, 0.5, 0.4]),
-        n: spectrum([1.357, 1.347, 1.343]),
-    };
+    let milk = Medium::new(
+        spectrum([4_000.0, 1_500.0, 800.0]),
+        spectrum([20.0, 2.0, 1.0]),
+        spectrum([0.6, 0.5, 0.4]),
+        spectrum([1.357, 1.347, 1.343]),
+    );
     let glass = Medium::clear(constant(1.0).unwrap(), constant(1.52).unwrap()).unwrap();
     let mut wanted = GlassScene::new(vec![("milk".into(), milk)], glass);
     wanted.resolution = [64, 48];

@@ -19,12 +19,12 @@ use mieux_render::scene::{GlassScene, Prepared, glasses};
 const SIZE: [u32; 2] = [50, 37];
 
 fn milk() -> Prepared {
-    let milk = Medium {
-        sigma_s: spectrum([400.0, 150.0, 80.0]),
-        sigma_a: spectrum([20.0, 2.0, 1.0]),
-        g: spectrum([0.6, 0.5, 0.4]),
-        n: spectrum([1.357, 1.347, 1.343]),
-    };
+    let milk = Medium::new(
+        spectrum([400.0, 150.0, 80.0]),
+        spectrum([20.0, 2.0, 1.0]),
+        spectrum([0.6, 0.5, 0.4]),
+        spectrum([1.357, 1.347, 1.343]),
+    );
     let glass = Medium::clear(constant(1.0).unwrap(), constant(1.52).unwrap()).unwrap();
     let mut wanted = GlassScene::new(vec![("milk".into(), milk)], glass);
     wanted.resolution = SIZE;

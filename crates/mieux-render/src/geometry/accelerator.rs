@@ -8,7 +8,7 @@ use obvhs::bvh2::{Bvh2, node::Bvh2Node};
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use obvhs::ray::RayHit;
 
-use super::{Mesh, Ray, triangle::Triangle};
+use super::{Mesh, Ray, mesh::Ball, triangle::Triangle};
 
 /// Where a ray meets a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,7 +19,8 @@ pub struct Hit {
     pub triangle: u32,
     /// Which of the meshes given to [`Accelerator::new`].
     pub owner: u32,
-    weights: [f64; 2],
+    /// Of the second and third corners of a triangle, or the normal of a sphere.
+    weights: [f64; 3],
 }
 
 /// All triangles of a scene in a bounding volume hierarchy.
@@ -32,12 +33,17 @@ pub struct Accelerator {
     owners: Vec<u32>,
     /// Corner normals, or none where the facet's own serves.
     normals: Vec<Option<[[f32; 3]; 3]>>,
+    /// Spheres and their owners; in hits they come after the triangles. They are few: all are tried.
+    balls: Vec<(Ball, u32)>,
     bounds: (DVec3, DVec3),
 }
 
 impl Accelerator {
     /// No triangle is left out when this is passed as `exclude`.
     pub const NONE: u32 = u32::MAX;
+
+    /// Spheres that are tried one by one; further ones are their triangles.
+    const MOST_BALLS: usize = 16;
 
     /// A distance found while descending may be this much too short.
     const SLACK: f32 = 0.7;
@@ -46,7 +52,13 @@ impl Accelerator {
     pub fn new<'a>(meshes: impl IntoIterator<Item = &'a Mesh>) -> Self {
         let (mut triangles, mut owners, mut normals, mut boxes) = (vec![], vec![], vec![], vec![]);
         let mut bounds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let mut balls = vec![];
         for (owner, mesh) in meshes.into_iter().enumerate() {
+            if let Some(ball) = mesh.ball().filter(|_| balls.len() < Self::MOST_BALLS) {
+                bounds = (bounds.0.min(ball.centre - ball.radius), bounds.1.max(ball.centre + ball.radius));
+                balls.push((ball, owner as u32));
+                continue;
+            }
             for (t, indices) in mesh.triangles().iter().enumerate() {
                 let corners = mesh.corners(t);
                 bounds = corners.iter().fold(bounds, |(low, high), &c| (low.min(c), high.max(c)));
@@ -69,6 +81,7 @@ impl Accelerator {
             owners: bvh.primitive_indices.iter().map(|i| owners[order(i)]).collect(),
             normals: bvh.primitive_indices.iter().map(|i| normals[order(i)]).collect(),
             bvh,
+            balls,
             bounds: (bounds.0 - f64::from(pad), bounds.1 + f64::from(pad)),
         }
     }
@@ -81,8 +94,19 @@ impl Accelerator {
     /// The nearest triangle met at `0 < t < t_max` (m), leaving out the triangle `exclude`.
     pub fn intersect(&self, ray: &Ray, t_max: f64, exclude: u32) -> Option<Hit> {
         let mut best = t_max;
+        let mut round = None;
+        for (i, (ball, owner)) in self.balls.iter().enumerate() {
+            let index = (self.triangles.len() + i) as u32;
+            if let Some(t) = ball.intersect(ray, index == exclude)
+                && t > 0.0
+                && t < best
+            {
+                best = t;
+                round = Some((ball, index, *owner));
+            }
+        }
         let mut found = None;
-        self.traverse(ray, t_max, |node, bound| {
+        self.traverse(ray, best, |node, bound| {
             for k in node.first_index..node.first_index + node.prim_count {
                 if k != exclude
                     && let Some((t, weights)) = self.triangles[k as usize].intersect(ray)
@@ -95,11 +119,22 @@ impl Accelerator {
             }
             true
         });
-        found.map(|(k, weights)| Hit { t: best, triangle: k, owner: self.owners[k as usize], weights })
+        if let Some((k, [u, v])) = found {
+            return Some(Hit { t: best, triangle: k, owner: self.owners[k as usize], weights: [u, v, 0.0] });
+        }
+        let (ball, index, owner) = round?;
+        Some(Hit { t: best, triangle: index, owner, weights: ball.normal(ray.at(best)).to_array() })
     }
 
     /// Whether any triangle but `exclude` is met at `0 < t < t_max` (m).
     pub fn occluded(&self, ray: &Ray, t_max: f64, exclude: u32) -> bool {
+        let round = |(i, (ball, _)): (usize, &(Ball, u32))| {
+            let t = ball.intersect(ray, (self.triangles.len() + i) as u32 == exclude);
+            t.is_some_and(|t| t > 0.0 && t < t_max)
+        };
+        if self.balls.iter().enumerate().any(round) {
+            return true;
+        }
         let mut met = false;
         self.traverse(ray, t_max, |node, _| {
             met = (node.first_index..node.first_index + node.prim_count)
@@ -110,6 +145,9 @@ impl Accelerator {
     }
 
     fn traverse(&self, ray: &Ray, t_max: f64, mut leaf: impl FnMut(&Bvh2Node, &mut f32) -> bool) {
+        if self.triangles.is_empty() {
+            return;
+        }
         let narrow = obvhs::ray::Ray::new(ray.origin.as_vec3a(), ray.direction.as_vec3a(), 0.0, round_up(t_max));
         let visit = |node: &Bvh2Node, narrow: &mut obvhs::ray::Ray, _: &mut RayHit| leaf(node, &mut narrow.tmax);
         let mut nothing = RayHit::none();
@@ -120,10 +158,14 @@ impl Accelerator {
 
     /// Unit normal of the facet and of the smooth surface it stands for, both outward.
     pub fn normals(&self, hit: &Hit) -> (DVec3, DVec3) {
+        if hit.triangle as usize >= self.triangles.len() {
+            let normal = DVec3::from_array(hit.weights);
+            return (normal, normal);
+        }
         let facet = self.triangles[hit.triangle as usize].normal().normalize();
         let Some(corners) = self.normals[hit.triangle as usize] else { return (facet, facet) };
         let [a, b, c] = corners.map(|n| glam::Vec3::from_array(n).as_dvec3());
-        let [u, v] = hit.weights;
+        let [u, v, _] = hit.weights;
         let smooth = a * (1.0 - u - v) + b * u + c * v;
         (facet, smooth.try_normalize().unwrap_or(facet))
     }
@@ -137,9 +179,10 @@ impl Accelerator {
     /// As [`Self::distance_lower_bound`], but 0 once a triangle is known to be nearer than `useful`, and never much
     /// above `enough`: both spare a search.
     pub(crate) fn clearance(&self, point: DVec3, useful: f64, enough: f64) -> f64 {
+        let round = self.balls.iter().fold(f64::INFINITY, |d, (ball, _)| d.min(ball.clearance(point)));
         let nodes = &self.bvh.nodes;
-        if nodes.is_empty() {
-            return f64::INFINITY;
+        if nodes.is_empty() || round < useful {
+            return if round < useful { 0.0 } else { round };
         }
         let at = point.as_vec3a();
         let useful = (useful * useful) as f32;
@@ -177,7 +220,7 @@ impl Accelerator {
             depth += 2;
         }
         // A millionth covers the rounding of squares and roots to f32; the boxes' padding covers the point's.
-        f64::from(nearest.min(skipped).sqrt()) * (1.0 - 1e-6)
+        round.min(f64::from(nearest.min(skipped).sqrt()) * (1.0 - 1e-6))
     }
 }
 
@@ -218,7 +261,7 @@ mod tests {
         vec![
             glass.glass().unwrap(),
             glass.liquid(0.08).unwrap(),
-            sphere([0.06, 0.02, 0.03], 0.02, 12).unwrap(),
+            sphere([0.06, 0.02, 0.03], 0.02, 12).unwrap().faceted(),
             cuboid([-0.3, -0.3, -0.02], [0.3, 0.3, -0.01]).unwrap(),
         ]
     }

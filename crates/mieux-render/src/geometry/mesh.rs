@@ -13,6 +13,14 @@ pub struct Mesh {
     vertices: Vec<[f32; 3]>,
     normals: Option<Vec<[f32; 3]>>,
     triangles: Vec<[u32; 3]>,
+    ball: Option<Ball>,
+}
+
+/// The sphere that a mesh stands for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ball {
+    pub(crate) centre: DVec3,
+    pub(crate) radius: f64,
 }
 
 impl Mesh {
@@ -49,7 +57,22 @@ impl Mesh {
         if kept.is_empty() {
             return Err(GeometryError::Empty);
         }
-        Ok(Self { vertices, normals, triangles: kept })
+        Ok(Self { vertices, normals, triangles: kept, ball: None })
+    }
+
+    /// The same mesh, standing for a sphere: rays meet that instead of the triangles.
+    pub(super) fn round(self, centre: DVec3, radius: f64) -> Self {
+        Self { ball: Some(Ball { centre, radius }), ..self }
+    }
+
+    /// The same mesh, standing for nothing but its triangles.
+    pub fn faceted(self) -> Self {
+        Self { ball: None, ..self }
+    }
+
+    /// The sphere that rays meet instead of the triangles.
+    pub(crate) fn ball(&self) -> Option<Ball> {
+        self.ball
     }
 
     /// Vertices, m.
@@ -75,6 +98,9 @@ impl Mesh {
     /// Whether every edge is shared by exactly two triangles that run through it in opposite senses. Vertices at the
     /// same place count as one, so creases with doubled vertices do not matter.
     pub fn is_closed(&self) -> bool {
+        if self.ball.is_some() {
+            return true;
+        }
         let mut places = HashMap::new();
         let place: Vec<u32> = self
             .vertices
@@ -128,16 +154,20 @@ impl Mesh {
         Self::new(vertices, self.triangles.clone(), self.normals.as_ref().map(|n| n.iter().map(unit).collect()))
     }
 
-    /// The same mesh with its inside out.
+    /// The same mesh with its inside out; a sphere is one of facets then.
     pub fn turned(mut self) -> Self {
         self.triangles.iter_mut().for_each(|t| t.swap(1, 2));
         self.normals.iter_mut().flatten().for_each(|n| *n = n.map(|x| -x));
+        self.ball = None;
         self
     }
 
     /// The same mesh moved by an offset (m); coordinates are rounded to `f32`, the same way for the same vertex.
     pub fn translated(&self, offset: [f64; 3]) -> Self {
         let mut moved = self.clone();
+        if let Some(ball) = &mut moved.ball {
+            ball.centre += DVec3::from_array(offset);
+        }
         for vertex in &mut moved.vertices {
             (0..3).for_each(|k| vertex[k] = (f64::from(vertex[k]) + offset[k]) as f32);
         }

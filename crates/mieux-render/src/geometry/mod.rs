@@ -1,6 +1,7 @@
 //! Shapes: triangle meshes, bodies of revolution, a drinking glass, and the tree that finds triangles.
 
 mod accelerator;
+mod ball;
 mod drinking_glass;
 mod mesh;
 mod revolution;

@@ -2,6 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use glam::DVec3;
+
 use super::{GeometryError, Mesh, ProfilePoint, revolution};
 
 /// A closed box between two corners (m), sharp-edged.
@@ -20,7 +22,8 @@ pub fn cuboid(low: [f64; 3], high: [f64; 3]) -> Result<Mesh, GeometryError> {
     Mesh::new(vertices, triangles, None)
 }
 
-/// A closed smooth sphere: `2 rings` facets around, `rings` from pole to pole; `rings >= 2`.
+/// A closed sphere. Rays meet the sphere itself; where triangles are wanted there are `2 rings` around and `rings` from pole
+/// to pole, `rings >= 2`.
 ///
 /// # Errors
 /// [`GeometryError::Length`] for a radius that is not positive and finite, [`GeometryError::Segments`].
@@ -36,7 +39,7 @@ pub fn sphere(centre: [f64; 3], radius: f64, rings: u32) -> Result<Mesh, Geometr
             ProfilePoint::smooth(if end { 0.0 } else { radius * angle.sin() }, -radius * angle.cos())
         })
         .collect();
-    Ok(revolution(&outline, 2 * rings)?.translated(centre))
+    Ok(revolution(&outline, 2 * rings)?.translated(centre).round(DVec3::from_array(centre), radius))
 }
 
 /// A flat round disk facing up; open, so only for opaque surfaces.

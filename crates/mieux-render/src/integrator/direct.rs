@@ -110,7 +110,8 @@ impl Path<'_> {
                 Crossing::Inconsistent => self.statistics.inconsistencies += 1,
                 Crossing::Hidden(next) => interior = next,
                 Crossing::Interface(next) => {
-                    if !self.unbent(&interior, &next) {
+                    let top = |interior: &Interior| interior.top(|b| self.scene.priority(b));
+                    if !self.scene.goes_straight(top(&interior), top(&next)) {
                         return false;
                     }
                     interior = next;
@@ -121,12 +122,6 @@ impl Path<'_> {
         false
     }
 
-    /// Whether rays go straight on from one place into another.
-    fn unbent(&self, from: &Interior, to: &Interior) -> bool {
-        let (a, b) = (self.medium_of(from), self.medium_of(to));
-        a.n == b.n && a.n_geometry == b.n_geometry
-    }
-
     /// Dims a ray by what it goes through. False if nothing is left.
     fn dims(&mut self, shadow: &mut Shadow, ray: &Ray, length: f64, interior: &Interior) -> bool {
         let Some(body) = interior.top(|b| self.scene.priority(b)) else { return true };
@@ -135,14 +130,12 @@ impl Path<'_> {
             let matter = self.scene.matter(body, &self.wavelengths);
             return self.dims_by_grid(shadow, ray, length, &matter);
         }
-        let medium = self.medium_of(interior);
-        if way == Way::Straight || medium.turbid.is_none() && way == Way::Walk {
-            if medium.absorbs {
-                shadow.absorb(&medium.transmittance(length));
-            }
+        let extinction = self.scene.extinction(body, &self.wavelengths);
+        let left = extinction.map(|s| if s > 0.0 { (-s * length).exp() } else { 1.0 });
+        if way == Way::Straight {
+            shadow.absorb(&left)
         } else {
-            let sums = self.scene.extinction(body, &self.wavelengths);
-            shadow.pass(&sums.map(|s| if s > 0.0 { (-s * length).exp() } else { 1.0 }));
+            shadow.pass(&left)
         }
         shadow.f.iter().any(|f| *f > 0.0)
     }

@@ -85,7 +85,7 @@ impl Path<'_> {
         let values = matter.scattering(densities, mu);
         let chance: Lanes =
             std::array::from_fn(|k| if sums.sigma_s[k] > 0.0 { values[k] / sums.sigma_s[k] } else { 0.0 });
-        if !(chance[0] > 0.0) {
+        if chance[0] <= 0.0 {
             return None;
         }
         self.throughput.choose(&chance);

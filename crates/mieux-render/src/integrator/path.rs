@@ -196,8 +196,10 @@ impl Path<'_> {
             Crossing::Hidden(next) => self.interior = next,
             Crossing::Interface(next) => {
                 let beyond = self.medium_of(&next);
-                let unbent = beyond.n == self.medium.n && beyond.n_geometry == self.medium.n_geometry;
-                if unbent && !(self.transport.diffusion && self.diffusing(&next, &beyond).is_some()) {
+                let top = |interior: &Interior| interior.top(|b| self.scene.priority(b));
+                if self.scene.goes_straight(top(&self.interior), top(&next))
+                    && !(self.transport.diffusion && self.diffusing(&next, &beyond).is_some())
+                {
                     self.enter(next, beyond);
                     return true;
                 }

@@ -94,7 +94,7 @@ impl Path<'_> {
         let direction = if reflected { Some(interface.reflected()) } else { interface.refracted() };
         let Some(direction) = direction else { return false };
         let Some((share, chance)) = rough.turned(direction) else { return false };
-        if !(chance[0] > 0.0) || (direction.dot(normal) > 0.0) != reflected {
+        if chance[0] <= 0.0 || (direction.dot(normal) > 0.0) != reflected {
             return false;
         }
         self.throughput.choose(&chance);

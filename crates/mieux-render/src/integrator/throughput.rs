@@ -33,9 +33,9 @@ impl Shadow {
 
     /// Through homogeneous matter that the path would have to get through by chance.
     pub(crate) fn pass(&mut self, transmittance: &Lanes) {
-        for k in 0..LANES {
-            self.f[k] *= transmittance[k];
-            self.p[k] *= transmittance[k];
+        for ((f, p), t) in self.f.iter_mut().zip(&mut self.p).zip(transmittance) {
+            *f *= t;
+            *p *= t;
         }
     }
 

@@ -40,6 +40,11 @@ impl MediumLanes {
         Self { sigma_a: [0.0; LANES], n: one, n_geometry: one, turbid: None, absorbs: false }
     }
 
+    /// Clear, or where no walk is made.
+    pub(crate) fn unwalked(sigma_a: Lanes, n: Lanes, n_geometry: Lanes) -> Self {
+        Self { sigma_a, n, n_geometry, turbid: None, absorbs: sigma_a.iter().any(|&s| s > 0.0) }
+    }
+
     pub(crate) fn new(sigma_s: Lanes, sigma_a: Lanes, g: Lanes, n: Lanes, n_geometry: Lanes) -> Self {
         let turbid = sigma_s.iter().any(|&s| s > 0.0).then(|| Turbid::new(sigma_s, &sigma_a, g));
         let absorbs = sigma_a.iter().any(|&s| s > 0.0);

@@ -60,7 +60,7 @@ impl SkyImage {
         }
         let matrix = DMat3::from_cols_array_2d(&to_scene);
         let off = matrix.transpose() * matrix - DMat3::IDENTITY;
-        if off.to_cols_array().iter().any(|v| !(v.abs() < 1e-6)) {
+        if off.to_cols_array().iter().any(|v| v.is_nan() || v.abs() >= 1e-6) {
             return refuse(format!("its matrix {to_scene:?} is no rotation"));
         }
         let mut image = Self {

@@ -215,7 +215,7 @@ impl Lights {
     /// A light by its weight, from a uniform number, and its chance; `None` if nothing shines.
     pub(crate) fn choose(&self, from: &Viewpoint, xi: f64) -> Option<(usize, f64)> {
         let total = self.total(from);
-        if !(total > 0.0) {
+        if total <= 0.0 || total.is_nan() {
             return None;
         }
         let mut left = xi * total;
@@ -292,7 +292,7 @@ impl Lights {
 
     fn density(&self, light: usize, from: &Viewpoint, t: f64, of: impl Fn(Option<&Source>) -> f64) -> Lanes {
         let total = self.total(from);
-        if !(total > 0.0) {
+        if total <= 0.0 || total.is_nan() {
             return [0.0; LANES];
         }
         let density = self.weight(light, from) / total * of(self.sources.get(light));

@@ -63,6 +63,11 @@ impl Dense {
         Self { values: self.values.iter().zip(&other.values).map(|(a, b)| a + b).collect(), ..*self }
     }
 
+    /// Whether another on the same range has the same values.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        self.values == other.values
+    }
+
     /// Mean over the rendered range.
     pub(crate) fn mean(&self) -> f64 {
         self.values.iter().sum::<f64>() / self.values.len() as f64

@@ -7,7 +7,7 @@ use super::finish::{DenseFinish, FinishLanes};
 use super::{Body, Scene, SceneError, Surface};
 use crate::camera::Pinhole;
 use crate::film::Observer;
-use crate::geometry::{Accelerator, Ray};
+use crate::geometry::{Accelerator, Mesh, Ray};
 use crate::integrator::{LANES, Lanes, MediumLanes};
 use crate::light::{Emitter, Lights, Problem};
 use crate::medium::{Dense, DenseMedium, Matter};
@@ -76,7 +76,11 @@ impl Prepared {
         let media: Vec<DenseMedium> = scene.bodies.iter().map(medium).collect::<Result<_, _>>()?;
         let finish = |s: &Surface| DenseFinish::new(&s.name, &s.finish, range);
         let facets = |b: &Body| roughness(&b.name, b.roughness);
-        let meshes = scene.bodies.iter().map(|b| &b.mesh).chain(scene.surfaces.iter().map(|s| &s.mesh));
+        // What shines is sampled by its triangles, and met as such.
+        let met = |s: &'_ Surface| (s.emission.is_some() && s.mesh.ball().is_some()).then(|| s.mesh.clone().faceted());
+        let shiny: Vec<Option<Mesh>> = scene.surfaces.iter().map(met).collect();
+        let surfaces = scene.surfaces.iter().zip(&shiny).map(|(s, faceted)| faceted.as_ref().unwrap_or(&s.mesh));
+        let meshes = scene.bodies.iter().map(|b| &b.mesh).chain(surfaces);
         let mut shining = 0usize..;
         let mut prepared = Self {
             camera: scene.camera.clone(),
@@ -213,6 +217,16 @@ impl Prepared {
         self.is_lit(body) && self.lights.worth_looking()
     }
 
+    /// Whether rays go straight on from what fills one place into what fills another.
+    pub(crate) fn goes_straight(&self, from: Option<u16>, to: Option<u16>) -> bool {
+        let index = |body: Option<u16>| body.map(|body| &self.media[usize::from(body)]);
+        match (index(from), index(to)) {
+            (None, None) => true,
+            (Some(one), None) | (None, Some(one)) => one.unbending,
+            (Some(a), Some(b)) => a.unbending && b.unbending || a.n.is_same(&b.n),
+        }
+    }
+
     /// Whether every body bends light that comes from the air.
     pub(crate) fn bends_everywhere(&self) -> bool {
         self.media.iter().all(|medium| !medium.unbending)
@@ -236,10 +250,15 @@ impl Prepared {
 
     pub(crate) fn medium(&self, body: Option<u16>, wavelengths: &Lanes, dispersion: bool) -> MediumLanes {
         let Some(body) = body else { return MediumLanes::vacuum() };
-        let medium = &self.media[usize::from(body)];
-        let n = medium.n.lanes(wavelengths);
-        let n_geometry = if dispersion { n } else { [medium.n_design; 4] };
+        let (medium, way) = (&self.media[usize::from(body)], self.ways[usize::from(body)]);
+        let n = if medium.unbending { [1.0; LANES] } else { medium.n.lanes(wavelengths) };
+        let n_geometry = if dispersion { n } else { [medium.n_design; LANES] };
         let at = |spectrum: &Dense| spectrum.lanes(wavelengths);
+        match way {
+            Way::Fog | Way::Cloud => return MediumLanes::unwalked([0.0; LANES], n, n_geometry),
+            Way::Straight => return MediumLanes::unwalked(at(&medium.sigma_a), n, n_geometry),
+            Way::Walk => {}
+        }
         MediumLanes::new(at(&medium.sigma_s), at(&medium.sigma_a), at(&medium.g), n, n_geometry)
     }
 }

@@ -131,6 +131,9 @@ fn surface(shape: &Shape, mesh: Mesh, finish: &Finish) -> Result<Surface, JobErr
 /// The triangles of a shape in the world's frame.
 fn mesh(shape: &Shape) -> Result<Mesh, JobError> {
     let wrong = |e: mieux_render::geometry::GeometryError| fault(&shape.place, format!("`{}`: {e}", shape.name));
+    if let Some(round) = placed_sphere(shape) {
+        return round.map_err(wrong);
+    }
     let own = match &shape.geometry {
         Geometry::Mesh(mesh) => Mesh::new(mesh.positions.clone(), mesh.triangles.clone(), mesh.normals.clone()),
         Geometry::Sphere { centre, radius } => sphere(*centre, *radius, RINGS),
@@ -146,6 +149,20 @@ fn mesh(shape: &Shape) -> Result<Mesh, JobError> {
     let placed = own.mapped(|p| m.point(p), |n| normal(shape, n)).map_err(wrong)?;
     let mirrored = m.determinant() < 0.0;
     Ok(if mirrored != shape.flip_normals { placed.turned() } else { placed })
+}
+
+/// A sphere that its frame leaves one, and whose inside is inside.
+fn placed_sphere(shape: &Shape) -> Option<Result<Mesh, mieux_render::geometry::GeometryError>> {
+    let Geometry::Sphere { centre, radius } = &shape.geometry else { return None };
+    let m = &shape.to_world;
+    let column = |j: usize| DVec3::new(m.0[0][j], m.0[1][j], m.0[2][j]);
+    let (a, b, c) = (column(0), column(1), column(2));
+    let scale = a.length();
+    let alike = |x: f64, y: f64| (x - y).abs() <= 1e-9 * scale;
+    let square = [a.dot(b), b.dot(c), c.dot(a)].iter().all(|d| d.abs() <= 1e-9 * scale * scale);
+    let turned = (m.determinant() < 0.0) != shape.flip_normals;
+    (square && alike(b.length(), scale) && alike(c.length(), scale) && !turned)
+        .then(|| sphere(m.point(*centre), radius * scale, RINGS))
 }
 
 fn rectangle() -> Result<Mesh, mieux_render::geometry::GeometryError> {

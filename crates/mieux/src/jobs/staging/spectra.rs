@@ -63,7 +63,7 @@ fn from_rgb(rgb: [f64; 3], of: RgbKind, kind: Kind) -> Result<Sampled, JobError>
     }
     // In the middle of what a reflectance can be, colours are smoothest.
     let scale = 2.0 * rgb.iter().fold(0f64, |m, v| m.max(*v));
-    if !(scale > 0.0) {
+    if scale <= 0.0 || scale.is_nan() {
         return flat(0.0);
     }
     let shape = reflectance_of(rgb.map(|v| v / scale));
