@@ -43,6 +43,24 @@ proptest! {
     }
 }
 
+/// Light is caught in the middle layer, which is too thin to lose any.
+#[test]
+fn a_layer_of_next_to_nothing_is_nothing() {
+    let of = |tau, albedo, g, n| Layer::new(tau, albedo, Moments::henyey_greenstein(g).unwrap()).with_index(n);
+    let solver = AddingDoubling { streams: 2, cut_peak: true };
+    let shares = |tau: f64| {
+        let layers = vec![of(0.708, 0.0, 0.0, 1.627), of(tau, 0.005, -0.277, 1.913), of(0.0, 0.0, 0.0, 1.391)];
+        let stack = Stack { above: 1.0, layers, below: 1.945, ground: Ground::Lambertian(0.0) };
+        solver.shares_of(&[stack], &[Incidence::Beam(0.0864)]).unwrap()[0][0]
+    };
+    let nothing = shares(0.0);
+    for tau in [9.2e-309, 1e-100, 1e-20, 1e-13, 1e-11, 1e-9] {
+        let thin = shares(tau);
+        assert!((thin.reflectance - nothing.reflectance).abs() < 1e-6, "{tau} {thin:?}");
+        assert!((thin.transmittance - nothing.transmittance).abs() < 1e-6, "{tau} {thin:?}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(100))]
 

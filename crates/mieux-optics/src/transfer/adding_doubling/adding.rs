@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use pulp::Simd;
 
 use super::algebra::eliminate;
-use super::layer::Slab;
+use super::layer::{Slab, THINNEST};
 use super::table::Table;
 use crate::lanes::{LaneArray, MAX_LANES, Re};
 use crate::transfer::Ground;
@@ -80,7 +80,7 @@ impl<S: Simd> Total<S> {
     #[inline(always)]
     fn add(&mut self, simd: S, plans: &[&Plan; MAX_LANES], layer: usize, table: &Table<S>) {
         let scaled = |lane: usize| &plans[lane].layers[layer];
-        let clear = |lane: usize| scaled(lane).albedo == 0.0 || scaled(lane).thickness == 0.0;
+        let clear = |lane: usize| scaled(lane).albedo == 0.0 || scaled(lane).thickness < THINNEST;
         if (0..MAX_LANES).all(clear) {
             self.least.push([1.0; MAX_LANES]);
             let mut passes = Vec::with_capacity(table.len());

@@ -46,8 +46,9 @@ const PADE: [f64; 8] = {
     c
 };
 
-/// Thinner layers than this reflect nothing that a double could show.
-const THINNEST: f64 = 1e-30;
+/// Thinner layers than this scatter nothing that shows. What is caught in one by total reflection is lost so slowly that its
+/// sum over passages would be one of rounding.
+pub(super) const THINNEST: f64 = 1e-12;
 
 impl<S: Simd> Slab<S> {
     #[inline(always)]
