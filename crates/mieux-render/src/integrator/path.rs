@@ -224,7 +224,6 @@ impl Path<'_> {
         }
         self.throughput.choose(&interface.reflectance.map(|r| 1.0 - r));
         if self.transport.diffusion
-            && beyond.turbid.is_some()
             && let Some(entry) = self.diffusing(&next, beyond)
         {
             let facet = normals.0 * -self.ray.direction.dot(normals.0).signum();
