@@ -127,7 +127,10 @@ impl Path<'_> {
         let Some(body) = interior.top(|b| self.scene.priority(b)) else { return true };
         let way = self.scene.way(Some(body));
         if way == Way::Cloud {
-            let matter = self.scene.matter(body, &self.wavelengths);
+            // Mostly it is what the path is in.
+            let here = self.interior.top(|b| self.scene.priority(b)) == Some(body);
+            let own = self.matter.filter(|_| here);
+            let matter = own.unwrap_or_else(|| self.scene.matter(body, &self.wavelengths));
             return self.dims_by_grid(shadow, ray, length, &matter);
         }
         let extinction = self.scene.extinction(body, &self.wavelengths);

@@ -23,7 +23,9 @@ pub(crate) struct Lights {
     /// Radiance of the surroundings, mean over directions and wavelengths.
     mean: f64,
     peaked: bool,
+    /// Lamps, then surfaces that shine.
     sources: Vec<Source>,
+    lamps: usize,
 }
 
 struct Source {
@@ -125,6 +127,7 @@ impl Lights {
             spectrum,
             channels,
             sources,
+            lamps: lamps.len(),
         })
     }
 
@@ -178,12 +181,7 @@ impl Lights {
 
     /// Radiance of the shining surface `emitter` (by its place among those that shine).
     pub(crate) fn emitted(&self, emitter: usize, wavelengths: &Lanes) -> Lanes {
-        self.source_of(emitter).spectrum.lanes(wavelengths)
-    }
-
-    fn source_of(&self, emitter: usize) -> &Source {
-        let lamps = self.sources.iter().filter(|s| matches!(s.shape, Shape::Lamp(_))).count();
-        &self.sources[lamps + emitter]
+        self.sources[self.lamps + emitter].spectrum.lanes(wavelengths)
     }
 
     /// How much a light counts; the surroundings come after the last source.
@@ -283,8 +281,7 @@ impl Lights {
         distance: f64,
         cosine: f64,
     ) -> Lanes {
-        let lamps = self.sources.iter().filter(|s| matches!(s.shape, Shape::Lamp(_))).count();
-        self.density(lamps + emitter, from, t, |source| match source.map(|s| &s.shape) {
+        self.density(self.lamps + emitter, from, t, |source| match source.map(|s| &s.shape) {
             Some(Shape::Mesh(mesh)) => distance * distance / (mesh.area * cosine.abs().max(1e-300)),
             _ => 0.0,
         })

@@ -44,6 +44,7 @@ pub struct Prepared {
     ways: Vec<Way>,
     lit: Vec<bool>,
     facets: Vec<Option<Microfacets>>,
+    bends_everywhere: bool,
     priorities: Vec<i32>,
     finishes: Vec<DenseFinish>,
     /// For each surface its place among those that shine.
@@ -89,6 +90,7 @@ impl Prepared {
             ways: Vec::new(),
             lit: Vec::new(),
             facets: scene.bodies.iter().map(facets).collect::<Result<_, _>>()?,
+            bends_everywhere: media.iter().all(|medium| !medium.unbending),
             priorities: scene.bodies.iter().map(|b| b.priority).collect(),
             finishes: scene.surfaces.iter().map(finish).collect::<Result<_, _>>()?,
             emitters: scene.surfaces.iter().map(|s| s.emission.as_ref().and_then(|_| shining.next())).collect(),
@@ -229,7 +231,7 @@ impl Prepared {
 
     /// Whether every body bends light that comes from the air.
     pub(crate) fn bends_everywhere(&self) -> bool {
-        self.media.iter().all(|medium| !medium.unbending)
+        self.bends_everywhere
     }
 
     /// What scatters in a body at the wavelengths of a path.

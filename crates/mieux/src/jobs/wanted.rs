@@ -1,6 +1,7 @@
 //! What a render is of: a material in a glass, glasses in a row, or a scene with a camera of its own.
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -18,7 +19,7 @@ use mieux_render::medium::{Medium, Phase};
 use mieux_render::render::RenderError;
 use mieux_render::scene::{GlassScene, Scene, glasses};
 
-use super::staging::{self, Known, Staged};
+use super::staging::{self, Staged};
 use super::{Context, JobError, OpticsSheet, wavelengths};
 
 /// What has the index of air to a part in a thousand is fog, and does not bend light.
@@ -112,7 +113,7 @@ impl Wanted {
         match &self.set {
             Set::Glasses => Ok((build(sheets, size)?, notes)),
             Set::Described(description) => {
-                let known: Vec<Known> = sheets.iter().map(known).collect::<Result<_, _>>()?;
+                let known: Vec<Medium> = sheets.iter().map(known).collect::<Result<_, _>>()?;
                 let Staged { scene, notes: more } = staging::stage(description, &known, [size.width(), size.height()])?;
                 notes.extend(more);
                 Ok((scene, notes))
@@ -131,9 +132,20 @@ impl Wanted {
             }
         }
         if let Set::Described(description) = &self.set {
-            format!("{description:?}").bytes().for_each(add);
+            // Nothing is kept of the text: meshes and grids are long.
+            let _ = write!(Each(add), "{description:?}");
         }
         hash
+    }
+}
+
+/// Takes text byte by byte.
+struct Each<F>(F);
+
+impl<F: FnMut(u8)> Write for Each<F> {
+    fn write_str(&mut self, text: &str) -> std::fmt::Result {
+        text.bytes().for_each(&mut self.0);
+        Ok(())
     }
 }
 
@@ -208,7 +220,7 @@ fn medium(bulk: &BulkOptics) -> Result<Medium, JobError> {
 
 /// A material of a scene. What light comes into straight is seen in single scattering, where bows and glories are: it gets
 /// its own phase functions; of what is turbid behind a surface only the mean cosine shows.
-fn known(sheet: &OpticsSheet) -> Result<Known, JobError> {
+fn known(sheet: &OpticsSheet) -> Result<Medium, JobError> {
     let mut made = medium(&sheet.bulk)?;
     if made.n.values().iter().all(|n| (n - 1.0).abs() < AIRY) {
         let failed = |source| JobError::Medium { material: sheet.material.name.clone(), source };
@@ -221,7 +233,7 @@ fn known(sheet: &OpticsSheet) -> Result<Known, JobError> {
             made.parts[0].phase = Phase::Spectral(Arc::new(reaching(phase)?));
         }
     }
-    Ok(Known { medium: made })
+    Ok(made)
 }
 
 /// The nearest function holds beyond the ends.

@@ -12,22 +12,19 @@ use mieux_render::medium::{self, Filter, Part, Placement};
 use super::spectra::{Kind, sampled};
 use super::{JobError, RANGE, fault, flat};
 
-/// A material of a scene with its properties.
-#[derive(Debug, Clone)]
-pub(in super::super) struct Known {
-    /// Homogeneous, at its own concentration.
-    pub(in super::super) medium: medium::Medium,
-}
-
 /// A medium of the index `n` (its own where that is not given by the surface around it).
-pub(super) fn stage(medium: &Medium, materials: &[Known], n: Option<Sampled>) -> Result<medium::Medium, JobError> {
+pub(super) fn stage(
+    medium: &Medium,
+    materials: &[medium::Medium],
+    n: Option<Sampled>,
+) -> Result<medium::Medium, JobError> {
     let place = &medium.place;
     let known = |material: usize| {
         materials.get(material).ok_or_else(|| fault(place, format!("there is no material {material}")))
     };
     match &medium.kind {
         MediumKind::Material { material, density } => {
-            let mut made = known(*material)?.medium.clone();
+            let mut made = known(*material)?.clone();
             made.parts.iter_mut().try_for_each(|part| scale(part, *density))?;
             Ok(medium::Medium { n: n.unwrap_or(made.n), parts: made.parts })
         }
@@ -50,7 +47,7 @@ pub(super) fn stage(medium: &Medium, materials: &[Known], n: Option<Sampled>) ->
             let mut parts = Vec::new();
             let mut index = n;
             for component in components {
-                let made = known(component.material)?.medium.clone();
+                let made = known(component.material)?.clone();
                 let grid = stage_grid(&component.density, component.density.values.clone(), place)?;
                 for mut part in made.parts {
                     part.density = Some(grid.clone());

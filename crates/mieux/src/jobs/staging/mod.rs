@@ -11,6 +11,7 @@ use mieux_optics::spectrum::Sampled;
 use mieux_optics::spectrum::upsample::primaries;
 use mieux_render::camera::Pinhole;
 use mieux_render::light::{Environment, Lamp, Pattern, SkyImage, constant, relative_d65};
+use mieux_render::medium::Medium;
 use mieux_render::scene::Scene;
 
 use super::JobError;
@@ -34,7 +35,7 @@ pub(super) fn fault(place: &Place, reason: impl Into<String>) -> JobError {
 ///
 /// # Errors
 /// [`JobError::Scene`] with the place, or what the renderer says.
-pub(super) fn stage(description: &Description, materials: &[media::Known], size: [u32; 2]) -> Result<Staged, JobError> {
+pub(super) fn stage(description: &Description, materials: &[Medium], size: [u32; 2]) -> Result<Staged, JobError> {
     let mut notes = description.notes.clone();
     let solids = shapes::stage(description, materials, &mut notes)?;
     let (environment, lamps) = lights(&description.lights, &mut notes)?;
@@ -48,8 +49,6 @@ pub(super) fn stage(description: &Description, materials: &[media::Known], size:
     };
     Ok(Staged { scene, notes })
 }
-
-pub(super) use media::Known;
 
 /// A pinhole camera; the principal point shifts the view.
 fn camera(camera: &Camera, size: [u32; 2]) -> Result<Pinhole, JobError> {

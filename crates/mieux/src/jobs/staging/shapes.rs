@@ -8,7 +8,7 @@ use mieux_render::medium::Medium;
 use mieux_render::scene::{Body, Finish as Rendered, Surface};
 
 use super::spectra::{Kind, sampled};
-use super::{JobError, Known, fault, flat, media};
+use super::{JobError, fault, flat, media};
 
 /// Facets of a sphere from pole to pole: its radius is off by four parts in a hundred thousand.
 const RINGS: u32 = 256;
@@ -30,7 +30,7 @@ struct Solid<'a> {
 
 pub(super) fn stage(
     description: &Description,
-    materials: &[Known],
+    materials: &[Medium],
     notes: &mut Vec<String>,
 ) -> Result<Solids, JobError> {
     let (mut solids, mut surfaces) = (Vec::new(), Vec::new());
@@ -55,7 +55,7 @@ pub(super) fn stage(
 }
 
 /// Bodies, the larger first; the smaller wins unless the file says otherwise.
-fn bodies(mut solids: Vec<Solid<'_>>, description: &Description, materials: &[Known]) -> Result<Vec<Body>, JobError> {
+fn bodies(mut solids: Vec<Solid<'_>>, description: &Description, materials: &[Medium]) -> Result<Vec<Body>, JobError> {
     solids.sort_by(|a, b| b.volume.total_cmp(&a.volume));
     let mut bodies: Vec<Body> = Vec::with_capacity(solids.len());
     for (rank, solid) in solids.into_iter().enumerate() {
